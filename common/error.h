@@ -1,0 +1,35 @@
+// The one exception type that reaches a user, with the exit code that the program gives for it.
+#pragma once
+
+#include <stdexcept>
+#include <string>
+
+namespace parloc {
+
+/// What went wrong. The value is the exit code of the `parloc` program (docs/exit_codes.md).
+enum class ErrorKind {
+  internal = 1,   ///< A defect in parloc, or a device that failed.
+  usage = 2,      ///< The command line is wrong.
+  input = 3,      ///< A map, log or trajectory cannot be read or makes no sense.
+  config = 4,     ///< A configuration has an unknown key, a wrong type or an impossible value.
+  output = 5,     ///< A result cannot be written.
+  backend = 6,    ///< The backend asked for is not built, or has no device.
+};
+
+/// An error with one clear line: what was expected, and where.
+class Error : public std::runtime_error {
+ public:
+  Error(ErrorKind kind, const std::string& message) : std::runtime_error(message), kind_(kind) {}
+  ErrorKind kind() const { return kind_; }
+
+ private:
+  ErrorKind kind_;
+};
+
+/// "file:line: message" (line 0: the whole file), as an input error.
+inline Error input_error(const std::string& file, std::size_t line, const std::string& message) {
+  const std::string where = line > 0 ? file + ":" + std::to_string(line) : file;
+  return Error(ErrorKind::input, where + ": " + message);
+}
+
+}  // namespace parloc

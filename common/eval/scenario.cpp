@@ -1,0 +1,163 @@
+#include "common/eval/scenario.h"
+
+#include <fmt/format.h>
+#include <yaml-cpp/yaml.h>
+
+#include <filesystem>
+
+#include "common/io/yaml_section.h"
+#include "common/math/portable64.h"
+
+namespace parloc {
+namespace {
+
+constexpr double kRadPerDeg = kPi / 180.0;
+constexpr double kFarthest_m = 100'000.0;
+constexpr double kLongestRange_m = 1000.0;
+
+void read_degrees(YamlSection& section, const char* key, double& target_rad, double low_deg,
+                  double high_deg) {
+  double degrees = 0.0;
+  if (!section.has(key)) return;
+  section.number(key, degrees, low_deg, high_deg);
+  target_rad = degrees * kRadPerDeg;
+}
+
+/// [x, y, heading in degrees]
+void read_pose(YamlSection& section, const char* key, Pose& target) {
+  if (!section.has(key)) return;
+  double values[3];
+  section.numbers(key, values, 3);
+  for (const double value : values) {
+    if (value < -kFarthest_m || value > kFarthest_m) throw section.error(key, "has a value beyond 100000");
+  }
+  target = {values[0], values[1], wrap64(values[2] * kRadPerDeg)};
+}
+
+void read_lidar(YamlSection section, SimulatedLidar& lidar) {
+  section.integer("beams", lidar.beams, 1, 4096);
+  read_degrees(section, "angle_min_deg", lidar.angle_min_rad, -360.0, 360.0);
+  read_degrees(section, "angle_step_deg", lidar.angle_step_rad, -360.0, 360.0);
+  section.number("range_min", lidar.range_min_m, 0.0, kLongestRange_m);
+  section.number("range_max", lidar.range_max_m, 0.01, kLongestRange_m);
+  section.number("sigma_range", lidar.sigma_range_m, 0.0, 10.0);
+  section.number("sigma_range_relative", lidar.sigma_range_relative, 0.0, 1.0);
+  section.number("dropout_probability", lidar.dropout_probability, 0.0, 1.0);
+  section.choice<DropoutValue>(
+      "dropout_value", lidar.dropout_value,
+      {{"zero", DropoutValue::zero}, {"nan", DropoutValue::nan}, {"inf", DropoutValue::inf}});
+  section.choice<OverRange>("over_range", lidar.over_range,
+                            {{"max", OverRange::max}, {"inf", OverRange::inf}, {"code", OverRange::code}});
+  section.number("over_range_code", lidar.over_range_code_m, 0.0, kFarthest_m);
+  read_pose(section, "mount", lidar.T_base_sensor);
+  if (lidar.range_min_m >= lidar.range_max_m) throw section.error("range_min", "must be below range_max");
+  section.finish();
+}
+
+void read_odometry(YamlSection section, SimulatedOdometry& odometry) {
+  section.number("rate", odometry.rate_hz, 0.01, 200.0);
+  const bool has_form = section.has("form");
+  section.choice<MotionForm>("form", odometry.noise.form,
+                             {{"seed", MotionForm::seed}, {"thrun", MotionForm::thrun}});
+  const std::pair<const char*, double*> alphas[] = {{"alpha1", &odometry.noise.alpha1},
+                                                    {"alpha2", &odometry.noise.alpha2},
+                                                    {"alpha3", &odometry.noise.alpha3},
+                                                    {"alpha4", &odometry.noise.alpha4}};
+  for (const auto& [key, target] : alphas) {
+    section.number(key, *target, 0.0, 100.0);
+    if (section.has(key) && !has_form) {
+      throw section.error(
+          key, "needs form beside it: seed (sigma linear in the motion) or thrun (variance quadratic)");
+    }
+  }
+  section.number("scale_translation", odometry.scale_translation, 0.1, 10.0);
+  section.number("scale_rotation", odometry.scale_rotation, 0.1, 10.0);
+  double drift_deg_per_m = 0.0;
+  section.number("drift_deg_per_m", drift_deg_per_m, -360.0, 360.0);
+  odometry.drift_rad_per_m = drift_deg_per_m * kRadPerDeg;
+  read_pose(section, "start", odometry.start);
+  section.finish();
+}
+
+Waypoint read_point(const YAML::Node& node, std::size_t number, const std::string& file) {
+  const std::string what = fmt::format("points: point {}", number);
+  const auto fail = [&](const std::string& message) {
+    const std::string where = fmt::format("{}:{}: {} ", file, node.Mark().line + 1, what);
+    return Error(ErrorKind::config, where + message);
+  };
+  if (!node.IsSequence() || node.size() < 2 || node.size() > 3)
+    throw fail("must be [x, y] or [x, y, pause_s]");
+  Waypoint point{number_of(node[0], file, what), number_of(node[1], file, what), 0.0};
+  if (node.size() == 3) point.pause_s = number_of(node[2], file, what);
+  const bool near = point.x_m >= -kFarthest_m && point.x_m <= kFarthest_m && point.y_m >= -kFarthest_m &&
+                    point.y_m <= kFarthest_m;
+  if (!near) throw fail("is beyond 100000 m");
+  if (point.pause_s < 0.0 || point.pause_s > 3600.0) throw fail("must pause for 0 to 3600 s");
+  return point;
+}
+
+std::string beside(const std::string& file, const std::string& relative) {
+  const std::filesystem::path path(relative);
+  return (path.is_absolute() ? path : std::filesystem::path(file).parent_path() / path)
+      .lexically_normal()
+      .string();
+}
+
+}  // namespace
+
+WaypointPath waypoints_from_text(const std::string& text, const std::string& name) {
+  YamlSection top(yaml_document(text, name), name, "");
+  WaypointPath path;
+  path.name = name;
+  top.number("speed", path.speed_mps, 0.001, 100.0);
+  top.number("turn_rate", path.turn_rate_rad_s, 0.001, 100.0);
+  top.require("points");
+  const YAML::Node points = top.node("points");
+  top.finish();
+  if (!points.IsSequence() || points.size() < 2)
+    throw top.error("points", "must be a list of at least two points");
+  for (const YAML::Node& node : points) {
+    const Waypoint point = read_point(node, path.points.size() + 1, name);
+    const bool again =
+        !path.points.empty() && path.points.back().x_m == point.x_m && path.points.back().y_m == point.y_m;
+    if (again) {
+      throw Error(ErrorKind::config, fmt::format("{}:{}: points: point {} is the same as the one before",
+                                                 name, node.Mark().line + 1, path.points.size() + 1));
+    }
+    path.points.push_back(point);
+  }
+  return path;
+}
+
+WaypointPath read_waypoints(const std::string& yaml_path) {
+  return waypoints_from_text(read_small_file(yaml_path), yaml_path);
+}
+
+Scenario scenario_from_text(const std::string& text, const std::string& name) {
+  YamlSection top(yaml_document(text, name), name, "");
+  Scenario scenario;
+  top.require("map");
+  top.text("map", scenario.map_path);
+  top.text("localization_map", scenario.localization_map_path);
+  top.require("path");
+  top.text("path", scenario.path_file);
+  top.seed("seed", scenario.seed);
+  top.number("scan_rate", scenario.scan_rate_hz, 0.01, 200.0);
+  read_lidar(top.section("lidar"), scenario.lidar);
+  read_odometry(top.section("odometry"), scenario.odometry);
+  top.finish();
+  scenario.map_path = beside(name, scenario.map_path);
+  if (!scenario.localization_map_path.empty()) {
+    scenario.localization_map_path = beside(name, scenario.localization_map_path);
+  }
+  scenario.path_file = beside(name, scenario.path_file);
+  return scenario;
+}
+
+Scenario read_scenario(const std::string& yaml_path) {
+  Scenario scenario = scenario_from_text(read_small_file(yaml_path), yaml_path);
+  scenario.path = read_waypoints(scenario.path_file);
+  return scenario;
+}
+
+}  // namespace parloc

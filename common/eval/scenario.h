@@ -1,0 +1,80 @@
+// What a simulated drive is made of: a map, a path, a LiDAR and the errors of the odometry.
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "common/filter/config.h"
+#include "common/math/pose.h"
+
+namespace parloc {
+
+/// A point of the map frame that the robot drives to.
+struct Waypoint {
+  double x_m = 0.0;
+  double y_m = 0.0;
+  double pause_s = 0.0;  ///< It stands still this long after it arrives, before it turns.
+};
+
+/// The robot drives straight from point to point and stops to turn in place (the experiment of Paz et al.
+/// 2012).
+struct WaypointPath {
+  std::string name;  ///< The file it came from, for messages.
+  std::vector<Waypoint> points;
+  double speed_mps = 0.5;
+  double turn_rate_rad_s = 0.5;
+};
+
+/// What a LiDAR reports for a beam that it lost.
+enum class DropoutValue { zero, nan, inf };
+/// What a LiDAR reports for a beam without a wall in reach: its maximum, infinity, or a code such as 81.83.
+enum class OverRange { max, inf, code };
+
+struct SimulatedLidar {
+  int beams = 361;
+  double angle_min_rad = -1.5707963267948966;
+  double angle_step_rad = 0.008726646259971648;  ///< 0.5 degrees.
+  double range_min_m = 0.1;
+  double range_max_m = 8.0;
+  double sigma_range_m = 0.02;        ///< Standard deviation of a range: sigma_range_m ...
+  double sigma_range_relative = 0.0;  ///< ... + sigma_range_relative * range.
+  double dropout_probability = 0.0;
+  DropoutValue dropout_value = DropoutValue::zero;
+  OverRange over_range = OverRange::max;
+  double over_range_code_m = 81.83;
+  Pose T_base_sensor;
+};
+
+struct SimulatedOdometry {
+  double rate_hz = 20.0;
+  MotionConfig noise;  ///< Only form and alpha1..alpha4 (SPEC 1.2), applied once per odometry step.
+  double scale_translation = 1.0;  ///< Wrong wheel radius.
+  double scale_rotation = 1.0;     ///< Wrong wheel base.
+  double drift_rad_per_m = 0.0;    ///< Unequal wheels.
+  Pose start;                      ///< Pose of the odometry when the drive begins, in the odometry frame.
+};
+
+struct Scenario {
+  std::string map_path;               ///< What rays are cast against.
+  std::string localization_map_path;  ///< The coarser map for the filter; empty if the scenario names none.
+  std::string path_file;
+  WaypointPath path;  ///< What path_file holds.
+  std::uint64_t seed = 1;
+  double scan_rate_hz = 10.0;
+  SimulatedLidar lidar;
+  SimulatedOdometry odometry;
+};
+
+/// Reads a scenario and its path; the files it names are relative to its own folder. Angles are in degrees
+/// there. Throws Error{config} with file:line for an unknown key (naming the nearest valid one), a duplicate,
+/// a wrong type or a value outside its limits, in the scenario or in its path file.
+Scenario read_scenario(const std::string& yaml_path);
+/// The same from memory, but opens no file: the path stays empty. `name` stands for the file and gives the
+/// folder.
+Scenario scenario_from_text(const std::string& text, const std::string& name);
+
+WaypointPath read_waypoints(const std::string& yaml_path);
+WaypointPath waypoints_from_text(const std::string& text, const std::string& name);
+
+}  // namespace parloc

@@ -1,0 +1,42 @@
+#include "common/filter/backend.h"
+
+#include "common/error.h"
+
+namespace parloc {
+
+#if PARLOC_WITH_CUDA
+std::unique_ptr<Backend> make_backend(BackendChoice choice, const BackendConfig& config, std::string& why) {
+  if (choice == BackendChoice::cpu) {
+    why = "cpu, as asked";
+    return make_cpu_backend(config);
+  }
+  if (choice == BackendChoice::cuda) {
+    why = "cuda, as asked";
+    return make_cuda_backend(config);
+  }
+  if (cuda_device_count() == 0) {
+    why = "cpu: no CUDA device answers";
+    return make_cpu_backend(config);
+  }
+  why = "cuda: a device is there";
+  return make_cuda_backend(config);
+}
+
+std::vector<std::string> describe_devices() {
+  std::vector<std::string> lines = {describe_cpu()};
+  for (const std::string& line : describe_cuda_devices()) lines.push_back(line);
+  return lines;
+}
+#else
+std::unique_ptr<Backend> make_backend(BackendChoice choice, const BackendConfig& config, std::string& why) {
+  if (choice == BackendChoice::cuda)
+    throw Error(ErrorKind::backend,
+                "backend cuda is not in this build: configure with PARLOC_CUDA=ON and a CUDA toolkit, or use --backend cpu");
+  why = choice == BackendChoice::cpu ? "cpu, as asked" : "cpu: this build has no CUDA backend";
+  return make_cpu_backend(config);
+}
+
+std::vector<std::string> describe_devices() { return {describe_cpu(), "cuda: not in this build (PARLOC_CUDA=OFF)"}; }
+#endif
+
+}  // namespace parloc

@@ -1,0 +1,77 @@
+// A backend owns the particles, the map and the scan in its memory, and runs the six stages on them.
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "common/filter/stages.h"
+#include "common/map/grid_map.h"
+#include "common/model/beams.h"
+
+namespace parloc {
+
+/// Poses and log-weights by slot, grid frame, in host memory.
+struct ParticleSet {
+  std::vector<float> x, y, theta, log_weight;
+};
+
+/// Settings that a step needs besides its arguments; fixed for the life of a backend.
+struct BackendConfig {
+  std::int64_t particles = 0;
+  int threads = 0;  ///< CPU: 0 is all cores.
+  SensorConfig sensor;
+  ResampleConfig resample;
+};
+
+/// Calls of one step come in this order: predict, [set_scan, weight, normalise_scan], estimate, [resample], finish.
+/// Everything before finish() may be asynchronous; finish() is the only synchronisation and brings up StepState.
+/// Nothing allocates after the first step with the largest scan. Not thread-safe.
+class Backend {
+ public:
+  virtual ~Backend() = default;
+  virtual std::string name() const = 0;
+
+  /// Uploads what the sensor model needs of the map. Once, before the first step.
+  virtual void set_map(const GridMap& map) = 0;
+  /// Table of the likelihood field, whose scale depends on the sensor's maximum range. Called when that changes.
+  virtual void set_range_max(double range_max_m) = 0;
+  virtual void upload(const ParticleSet& particles) = 0;
+  virtual ParticleSet download() const = 0;
+
+  virtual void predict(const MotionStep& motion, RandomKey key) = 0;
+  virtual void set_scan(const BeamTable& beams) = 0;
+  /// Expected ranges of every particle and beam, downloaded: [N][M]. For tests and pictures, not part of a step.
+  virtual std::vector<float> ray_trace() = 0;
+  /// fused false: through an N x M array of expected ranges, the reference of the fused path.
+  virtual void weight(bool fused) = 0;
+  virtual void normalise_scan() = 0;
+  virtual void estimate() = 0;
+  virtual void resample(RandomKey key) = 0;
+  virtual StepState finish() = 0;
+
+  /// What the last normalise_scan and resample made; for tests.
+  virtual std::vector<std::uint64_t> weights() const = 0;
+  virtual std::vector<std::uint64_t> cumulative() const = 0;
+  virtual std::vector<std::uint32_t> ancestors() const = 0;
+};
+
+/// Defined in cpu/backend.cpp and cuda/backend.cu. Throws Error{backend} if there is no usable device.
+std::unique_ptr<Backend> make_cpu_backend(const BackendConfig& config);
+std::unique_ptr<Backend> make_cuda_backend(const BackendConfig& config);
+
+/// `automatic`: CUDA if built and a device answers, else CPU. An explicit choice that is not there is an
+/// Error{backend}, never another one. `why` gets one line on what was taken and why.
+std::unique_ptr<Backend> make_backend(BackendChoice choice, const BackendConfig& config, std::string& why);
+
+/// One line per device that this build can run on, and why others cannot be used. For `parloc devices`.
+std::vector<std::string> describe_devices();
+
+/// The two halves of describe_devices; the second is defined only in CUDA builds.
+std::string describe_cpu();
+std::vector<std::string> describe_cuda_devices();
+/// Number of usable CUDA devices, 0 without a driver. Only in CUDA builds.
+int cuda_device_count();
+
+}  // namespace parloc

@@ -1,0 +1,139 @@
+// The heaviest cluster of a particle set: occupied bins of 0.5 m x 0.5 m x 10 degrees (Fox 2003), joined where they
+// touch (26 neighbours, heading cyclic). A hash table with integer weights and roots chosen by key: the result does
+// not depend on the order in which threads insert or join.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+
+#include "common/math/host_device.h"
+#include "common/math/portable.h"
+
+namespace parloc {
+
+constexpr std::uint64_t kNoBin = ~std::uint64_t{0};
+constexpr std::int32_t kHeadingBins = 36;
+constexpr float kBinSize_m = 0.5f;
+
+PARLOC_HD std::uint64_t atomic_add(std::uint64_t* at, std::uint64_t value) {
+#if defined(__CUDA_ARCH__)
+  return atomicAdd(reinterpret_cast<unsigned long long*>(at), static_cast<unsigned long long>(value));
+#else
+  return __atomic_fetch_add(at, value, __ATOMIC_RELAXED);
+#endif
+}
+
+/// Stores `desired` if *at is `expected`; returns what was there.
+template <class T>
+PARLOC_HD T atomic_swap_if(T* at, T expected, T desired) {
+#if defined(__CUDA_ARCH__)
+  if constexpr (sizeof(T) == 8)
+    return atomicCAS(reinterpret_cast<unsigned long long*>(at), static_cast<unsigned long long>(expected),
+                     static_cast<unsigned long long>(desired));
+  else
+    return atomicCAS(at, expected, desired);
+#else
+  __atomic_compare_exchange_n(at, &expected, desired, false, __ATOMIC_RELAXED, __ATOMIC_RELAXED);
+  return expected;
+#endif
+}
+
+template <class T>
+PARLOC_HD T atomic_read(const T* at) {
+#if defined(__CUDA_ARCH__)
+  return *static_cast<const volatile T*>(at);
+#else
+  return __atomic_load_n(at, __ATOMIC_RELAXED);
+#endif
+}
+
+/// Open addressing; `capacity` is a power of two above twice the number of particles, so it never fills.
+struct BinTable {
+  std::uint64_t* key = nullptr;             ///< [capacity] kNoBin where empty
+  std::uint64_t* weight = nullptr;          ///< [capacity] of the bin
+  std::uint64_t* cluster_weight = nullptr;  ///< [capacity] of the cluster, at its root
+  std::uint32_t* parent = nullptr;          ///< [capacity] union-find; the root has the smallest key of its cluster
+  std::uint32_t* slot_of = nullptr;         ///< [N] where a particle's bin is
+  std::uint32_t capacity = 0;
+};
+
+PARLOC_HD std::uint64_t bin_key(std::int32_t bx, std::int32_t by, std::int32_t bt) {
+  const std::uint64_t ux = static_cast<std::uint32_t>(bx + (1 << 23)) & 0xffffffu;
+  const std::uint64_t uy = static_cast<std::uint32_t>(by + (1 << 23)) & 0xffffffu;
+  return (ux << 30) | (uy << 6) | static_cast<std::uint32_t>(bt);
+}
+
+PARLOC_HD std::int32_t bin_index(float metres) {
+  return static_cast<std::int32_t>(floor_of(min_of(max_of(metres * (1.0f / kBinSize_m), -4e6f), 4e6f)));
+}
+
+PARLOC_HD std::uint64_t bin_key_of(float x_m, float y_m, float theta_rad) {
+  const std::int32_t t = static_cast<std::int32_t>(floor_of((theta_rad + 3.14159274f) * (kHeadingBins / 6.28318548f)));
+  return bin_key(bin_index(x_m), bin_index(y_m), t < 0 ? 0 : (t >= kHeadingBins ? kHeadingBins - 1 : t));
+}
+
+PARLOC_HD std::uint32_t bin_hash(std::uint64_t key, std::uint32_t capacity) {
+  std::uint64_t h = key * 0x9E3779B97F4A7C15u;
+  h ^= h >> 32;
+  return static_cast<std::uint32_t>(h) & (capacity - 1);
+}
+
+/// Finds or makes the bin of `key`, adds `weight`; returns its slot.
+PARLOC_HD std::uint32_t bin_insert(const BinTable& t, std::uint64_t key, std::uint64_t weight) {
+  for (std::uint32_t slot = bin_hash(key, t.capacity);; slot = (slot + 1) & (t.capacity - 1)) {
+    std::uint64_t found = atomic_read(&t.key[slot]);
+    if (found == kNoBin) found = atomic_swap_if(&t.key[slot], kNoBin, key);
+    if (found == kNoBin || found == key) {
+      atomic_add(&t.weight[slot], weight);
+      return slot;
+    }
+  }
+}
+
+/// The slot of `key`, or capacity if there is no such bin.
+PARLOC_HD std::uint32_t bin_find(const BinTable& t, std::uint64_t key) {
+  for (std::uint32_t slot = bin_hash(key, t.capacity);; slot = (slot + 1) & (t.capacity - 1)) {
+    if (t.key[slot] == key) return slot;
+    if (t.key[slot] == kNoBin) return t.capacity;
+  }
+}
+
+PARLOC_HD std::uint32_t bin_root(const BinTable& t, std::uint32_t slot) {
+  for (;;) {
+    const std::uint32_t up = atomic_read(&t.parent[slot]);
+    if (up == slot) return slot;
+    slot = up;
+  }
+}
+
+/// Joins two clusters under the root with the smaller key.
+PARLOC_HD void bin_join(const BinTable& t, std::uint32_t a, std::uint32_t b) {
+  for (;;) {
+    a = bin_root(t, a);
+    b = bin_root(t, b);
+    if (a == b) return;
+    const std::uint32_t low = t.key[a] < t.key[b] ? a : b;
+    const std::uint32_t high = low == a ? b : a;
+    if (atomic_swap_if(&t.parent[high], high, low) == high) return;
+  }
+}
+
+/// Joins the bin in `slot` with those of its neighbours that have a larger key (each pair is met once).
+PARLOC_HD void bin_join_neighbours(const BinTable& t, std::uint32_t slot) {
+  const std::uint64_t key = t.key[slot];
+  if (key == kNoBin) return;
+  const std::int32_t bx = static_cast<std::int32_t>((key >> 30) & 0xffffffu) - (1 << 23);
+  const std::int32_t by = static_cast<std::int32_t>((key >> 6) & 0xffffffu) - (1 << 23);
+  const std::int32_t bt = static_cast<std::int32_t>(key & 63u);
+  for (std::int32_t dx = -1; dx <= 1; ++dx)
+    for (std::int32_t dy = -1; dy <= 1; ++dy)
+      for (std::int32_t dt = -1; dt <= 1; ++dt) {
+        const std::int32_t nt = (bt + dt + kHeadingBins) % kHeadingBins;
+        const std::uint64_t other = bin_key(bx + dx, by + dy, nt);
+        if (other <= key) continue;
+        const std::uint32_t found = bin_find(t, other);
+        if (found != t.capacity) bin_join(t, slot, found);
+      }
+}
+
+}  // namespace parloc

@@ -1,0 +1,80 @@
+// Every setting of the particle filter, with its default. The only place where a default is written.
+// common/io/config.h reads and prints these as YAML; common/filter/config_fields.h lists their names and limits.
+#pragma once
+
+#include <cstdint>
+
+namespace parloc {
+
+enum class MotionForm { seed, thrun };
+/// Odometry motion model (SPEC 1; Paz et al. 2012 eq. 6 to 8).
+struct MotionConfig {
+  MotionForm form = MotionForm::seed;  ///< seed: sigma linear in |delta|; thrun: variance quadratic.
+  double alpha1 = 0.1;                 ///< Rotation noise from rotation [1].
+  double alpha2 = 0.05;                ///< Rotation noise from translation [rad/m].
+  double alpha3 = 0.1;                 ///< Translation noise from translation [1].
+  double alpha4 = 0.05;                ///< Translation noise from rotation [m/rad].
+  double sigma_rot_min_rad = 0.0;      ///< Noise floor of each rotation, only while the robot moves.
+  double sigma_trans_min_m = 0.0;      ///< Noise floor of the translation, only while the robot moves.
+  double min_translation_m = 0.01;     ///< Below it a step is a turn in place (SPEC 1.1).
+  bool symmetric = true;               ///< Driving backwards is not a turn by pi.
+  double max_jump_m = 1.0;             ///< A longer odometry step is reported and its noise inflated.
+};
+
+enum class ZeroPolicy { invalid, miss };
+/// Which beams of a scan are used, and what their values mean (SPEC 0.3).
+struct ScanConfig {
+  int max_beams = 100;                       ///< Evenly spaced in index.
+  int min_beams = 5;                         ///< Fewer usable beams: prediction only.
+  double laser_min_range = 0.1;              ///< Used where the log gives none [m].
+  double laser_max_range = 40.0;             ///< Used where the log gives none [m].
+  ZeroPolicy zero_policy = ZeroPolicy::invalid;
+};
+
+enum class SensorModel { gaussian, beam, likelihood_field };
+enum class RayCaster { skip, dda, fixed_step };
+enum class FieldLookup { nearest, bilinear };
+/// p(scan | pose, map) (SPEC 3). One group for all models; each uses the keys it knows.
+struct SensorConfig {
+  SensorModel model = SensorModel::likelihood_field;
+  double sigma_hit = 0.1;   ///< Standard deviation of a range (ray models) or of a wall's place (field) [m].
+  double z_hit = 0.9, z_short = 0.0, z_max = 0.0, z_rand = 0.1;  ///< Mixture; the sum must be 1.
+  double lambda_short = 0.5;              ///< [1/m]
+  double laser_likelihood_max_dist = 2.0; ///< Cap of the distance field [m].
+  double tempering = 0.1;                 ///< beta: beams are not independent (SPEC 3.2).
+  FieldLookup lookup = FieldLookup::bilinear;
+  RayCaster caster = RayCaster::skip;
+  double fixed_step_cells = 0.5;          ///< Step of the fixed_step caster, in cells.
+  bool unknown_blocks = true;             ///< A ray ends at an unknown cell.
+};
+
+enum class ResampleScheme { systematic, stratified, residual, multinomial, multinomial_linear };
+struct ResampleConfig {
+  ResampleScheme scheme = ResampleScheme::systematic;
+  double threshold = 0.5;  ///< Resample when N_eff < threshold * N; 1 or more: every step.
+};
+
+enum class EstimateMode { mean, cluster };
+struct EstimateConfig {
+  EstimateMode mode = EstimateMode::cluster;  ///< The whole set's mean, or that of its heaviest cluster.
+};
+
+enum class BackendChoice { automatic, cpu, cuda };
+
+struct FilterConfig {
+  std::int64_t particles = 2000;  ///< 1 to 16,777,216.
+  std::uint64_t seed = 1;
+  BackendChoice backend = BackendChoice::automatic;
+  int threads = 0;                ///< 0: all cores.
+  double initial_sigma_xy = 0.2;        ///< Spread of a start pose given without one [m].
+  double initial_sigma_theta = 0.1;     ///< [rad]
+  double update_min_d = 0.0;      ///< Weigh a scan after this much translation [m] ...
+  double update_min_a = 0.0;      ///< ... or this much rotation [rad]; both 0: every scan.
+  MotionConfig motion;
+  ScanConfig scan;
+  SensorConfig sensor;
+  ResampleConfig resample;
+  EstimateConfig estimate;
+};
+
+}  // namespace parloc

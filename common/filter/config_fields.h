@@ -1,0 +1,156 @@
+// The table of all settings: group, key, place in FilterConfig, limits or choices, and what it means.
+// Readers, printers and checks of a configuration visit this table; defaults are in common/filter/config.h
+// alone.
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <limits>
+
+#include "common/filter/config.h"
+
+namespace parloc {
+
+/// One setting. `group` is empty for a top-level key.
+struct Field {
+  const char* group;
+  const char* key;
+  const char* doc;  ///< One line, with the unit in brackets.
+};
+
+/// The values a number may take: low to high, both included unless `above_low`.
+template <class Number>
+struct Limits {
+  Number low;
+  Number high;
+  bool above_low = false;  ///< low itself is not allowed.
+};
+
+/// A named value of an enumeration.
+template <class Enum>
+struct Choice {
+  const char* name;
+  Enum value;
+};
+
+/// A group of settings, in the order of the printed configuration.
+struct FieldGroup {
+  const char* name;
+  const char* doc;
+};
+
+inline constexpr std::array<FieldGroup, 5> kFieldGroups{{
+    {"motion", "How the robot moves: odometry motion model."},
+    {"scan", "Which beams of a scan are used, and what their values mean."},
+    {"sensor", "How well a scan fits the map at a pose. Each model uses the keys it knows."},
+    {"resample", "When and how particles are drawn anew."},
+    {"estimate", "Which pose is reported."},
+}};
+
+inline constexpr std::array<Choice<BackendChoice>, 3> kBackends{
+    {{"auto", BackendChoice::automatic}, {"cpu", BackendChoice::cpu}, {"cuda", BackendChoice::cuda}}};
+inline constexpr std::array<Choice<MotionForm>, 2> kMotionForms{
+    {{"seed", MotionForm::seed}, {"thrun", MotionForm::thrun}}};
+inline constexpr std::array<Choice<ZeroPolicy>, 2> kZeroPolicies{
+    {{"invalid", ZeroPolicy::invalid}, {"miss", ZeroPolicy::miss}}};
+inline constexpr std::array<Choice<SensorModel>, 3> kSensorModels{
+    {{"gaussian", SensorModel::gaussian},
+     {"beam", SensorModel::beam},
+     {"likelihood_field", SensorModel::likelihood_field}}};
+inline constexpr std::array<Choice<FieldLookup>, 2> kFieldLookups{
+    {{"nearest", FieldLookup::nearest}, {"bilinear", FieldLookup::bilinear}}};
+inline constexpr std::array<Choice<RayCaster>, 3> kRayCasters{
+    {{"skip", RayCaster::skip}, {"dda", RayCaster::dda}, {"fixed_step", RayCaster::fixed_step}}};
+inline constexpr std::array<Choice<ResampleScheme>, 5> kResampleSchemes{
+    {{"systematic", ResampleScheme::systematic},
+     {"stratified", ResampleScheme::stratified},
+     {"residual", ResampleScheme::residual},
+     {"multinomial", ResampleScheme::multinomial},
+     {"multinomial_linear", ResampleScheme::multinomial_linear}}};
+inline constexpr std::array<Choice<EstimateMode>, 2> kEstimateModes{
+    {{"mean", EstimateMode::mean}, {"cluster", EstimateMode::cluster}}};
+
+/// Calls `visit` once per setting, in the order of the printed configuration (top level first, then by
+/// group), with (Field, number&, Limits<number>) for int, int64, uint64 and double; (Field, bool&); (Field,
+/// enum&, array of Choice). `Config` is FilterConfig or const FilterConfig.
+template <class Config, class Visitor>
+void visit_fields(Config& c, Visitor&& visit) {
+  using Real = Limits<double>;
+  using Int = Limits<int>;
+  visit(Field{"", "particles", "Number of particles"}, c.particles, Limits<std::int64_t>{1, 16'777'216});
+  visit(Field{"", "seed", "Seed of all random numbers: same seed, same answer"}, c.seed,
+        Limits<std::uint64_t>{0, std::numeric_limits<std::uint64_t>::max()});
+  visit(Field{"", "backend", "auto takes a CUDA device if there is one"}, c.backend, kBackends);
+  visit(Field{"", "threads", "CPU threads; 0: all cores"}, c.threads, Int{0, 1024});
+  visit(Field{"", "initial_sigma_xy", "Spread of a start pose given without one [m]"}, c.initial_sigma_xy,
+        Real{0, 1000});
+  visit(Field{"", "initial_sigma_theta", "The same for its heading [rad]"}, c.initial_sigma_theta,
+        Real{0, 10});
+  visit(
+      Field{"", "update_min_d", "Weigh a scan after this much translation [m]; 0 here and below: every scan"},
+      c.update_min_d, Real{0, 100});
+  visit(Field{"", "update_min_a", "... or after this much rotation [rad]"}, c.update_min_a, Real{0, 100});
+
+  auto& m = c.motion;
+  visit(Field{"motion", "form", "seed: sigma linear in the motion; thrun: variance quadratic (as AMCL)"},
+        m.form, kMotionForms);
+  visit(Field{"motion", "alpha1", "Rotation noise from rotation [1]"}, m.alpha1, Real{0, 100});
+  visit(Field{"motion", "alpha2", "Rotation noise from translation [rad/m]"}, m.alpha2, Real{0, 100});
+  visit(Field{"motion", "alpha3", "Translation noise from translation [1]"}, m.alpha3, Real{0, 100});
+  visit(Field{"motion", "alpha4", "Translation noise from rotation [m/rad]"}, m.alpha4, Real{0, 100});
+  visit(
+      Field{"motion", "sigma_rot_min_rad", "Noise floor of each rotation, only while the robot moves [rad]"},
+      m.sigma_rot_min_rad, Real{0, 10});
+  visit(
+      Field{"motion", "sigma_trans_min_m", "Noise floor of the translation, only while the robot moves [m]"},
+      m.sigma_trans_min_m, Real{0, 10});
+  visit(Field{"motion", "min_translation_m", "A shorter step is a turn in place [m]"}, m.min_translation_m,
+        Real{0, 10});
+  visit(Field{"motion", "symmetric", "Driving backwards is not a turn by pi"}, m.symmetric);
+  visit(Field{"motion", "max_jump_m", "A longer odometry step is reported and its noise inflated [m]"},
+        m.max_jump_m, Real{0, 1000, true});
+
+  auto& s = c.scan;
+  visit(Field{"scan", "max_beams", "Beams used of a scan, evenly spaced in index"}, s.max_beams,
+        Int{1, 4096});
+  visit(Field{"scan", "min_beams", "Fewer usable beams: prediction only"}, s.min_beams, Int{1, 4096});
+  visit(Field{"scan", "laser_min_range", "Shortest range, where the log gives none [m]"}, s.laser_min_range,
+        Real{0, 1000});
+  visit(Field{"scan", "laser_max_range", "Longest range, where the log gives none [m]"}, s.laser_max_range,
+        Real{0, 1000, true});
+  visit(Field{"scan", "zero_policy", "What a range of exactly 0 means: a broken beam, or no return"},
+        s.zero_policy, kZeroPolicies);
+
+  auto& z = c.sensor;
+  visit(Field{"sensor", "model", "gaussian and beam cast rays; likelihood_field looks up end points"},
+        z.model, kSensorModels);
+  visit(Field{"sensor", "sigma_hit", "Standard deviation of a range, or of a wall's place (field) [m]"},
+        z.sigma_hit, Real{0.001, 10});
+  visit(Field{"sensor", "z_hit", "Share of beams that end at the map's walls; the four shares sum to 1"},
+        z.z_hit, Real{0, 1});
+  visit(Field{"sensor", "z_short", "Share of beams that something else stops (beam)"}, z.z_short, Real{0, 1});
+  visit(Field{"sensor", "z_max", "Share of beams that never return (beam)"}, z.z_max, Real{0, 1});
+  visit(Field{"sensor", "z_rand", "Share of beams that say nothing"}, z.z_rand, Real{0, 1});
+  visit(Field{"sensor", "lambda_short", "Decay of the short beams (beam) [1/m]"}, z.lambda_short,
+        Real{0, 100, true});
+  visit(Field{"sensor", "laser_likelihood_max_dist", "Cap of the distance to a wall (field) [m]"},
+        z.laser_likelihood_max_dist, Real{0.01, 100});
+  visit(Field{"sensor", "tempering", "Exponent of a scan's likelihood: beams are not independent"},
+        z.tempering, Real{0, 1, true});
+  visit(Field{"sensor", "lookup", "How the distance field is read (field)"}, z.lookup, kFieldLookups);
+  visit(Field{"sensor", "caster", "skip and dda are exact and equal; fixed_step is the 2012 paper's"},
+        z.caster, kRayCasters);
+  visit(Field{"sensor", "fixed_step_cells", "Step of the fixed_step caster [cells]"}, z.fixed_step_cells,
+        Real{0.01, 10});
+  visit(Field{"sensor", "unknown_blocks", "A ray ends at an unknown cell"}, z.unknown_blocks);
+
+  visit(Field{"resample", "scheme", "How particles are drawn"}, c.resample.scheme, kResampleSchemes);
+  visit(Field{"resample", "threshold", "Draw when N_eff < threshold * N; 1 or more: every step"},
+        c.resample.threshold, Real{0, 1000});
+
+  visit(Field{"estimate", "mode", "The mean of all particles, or of their heaviest cluster"}, c.estimate.mode,
+        kEstimateModes);
+}
+
+}  // namespace parloc

@@ -1,0 +1,210 @@
+#include "common/filter/particle_filter.h"
+
+#include <cmath>
+#include <optional>
+
+#include "common/error.h"
+#include "common/filter/backend.h"
+#include "common/filter/start.h"
+#include "common/io/config.h"
+#include "common/math/portable64.h"
+#include "common/math/sha256.h"
+
+namespace parloc {
+namespace {
+
+bool finite(const Pose& p) { return std::isfinite(p.x_m) && std::isfinite(p.y_m) && std::isfinite(p.theta_rad); }
+
+bool has_free_cell(const GridMap& map) {
+  for (const Cell c : map.cells)
+    if (c == Cell::free) return true;
+  return false;
+}
+
+/// Moments of the grid frame as an estimate in the map frame: mean moved, covariance rotated.
+PoseEstimate in_map_frame(const Moments& m, const Pose& T_map_grid) {
+  PoseEstimate e;
+  e.mean = compose(T_map_grid, {m.x, m.y, m.theta});
+  e.weight = m.weight;
+  e.heading_resultant = m.resultant;
+  const SinCos64 r = portable_sincos64(T_map_grid.theta_rad);
+  const double xx = r.cos * r.cos * m.xx - 2 * r.cos * r.sin * m.xy + r.sin * r.sin * m.yy;
+  const double yy = r.sin * r.sin * m.xx + 2 * r.cos * r.sin * m.xy + r.cos * r.cos * m.yy;
+  const double xy = r.cos * r.sin * (m.xx - m.yy) + (r.cos * r.cos - r.sin * r.sin) * m.xy;
+  const double xt = r.cos * m.xt - r.sin * m.yt;
+  const double yt = r.sin * m.xt + r.cos * m.yt;
+  e.covariance = {{xx, xy, xt, xy, yy, yt, xt, yt, m.tt}};
+  return e;
+}
+
+constexpr double kHeadingUndefined = 1e-3;  // resultant below which a circular mean means nothing (SPEC 4)
+
+Estimate to_estimate(const StepState& s, const FilterConfig& config, const Pose& T_map_grid, bool weighted) {
+  Estimate e;
+  e.mean = in_map_frame(s.all, T_map_grid);
+  e.cluster = in_map_frame(s.cluster, T_map_grid);
+  e.ambiguous_heading = e.mean.heading_resultant < kHeadingUndefined;
+  if (e.ambiguous_heading) e.mean.mean.theta_rad = e.cluster.mean.theta_rad;
+  const PoseEstimate& chosen = config.estimate.mode == EstimateMode::mean ? e.mean : e.cluster;
+  e.pose = chosen.mean;
+  e.covariance = chosen.covariance;
+  e.n_eff = s.n_eff;
+  e.weighted = weighted;
+  e.resampled = weighted && s.resample != 0;
+  e.lost = weighted && s.degenerate != 0;
+  return e;
+}
+
+}  // namespace
+
+struct ParticleFilter::State {
+  FilterConfig config;
+  GridMap map;
+  std::unique_ptr<Backend> backend;
+  BeamTable beams;
+  BeamCounts counts;
+  double range_max_m = 0.0;         // that the backend's tables are made for
+  std::optional<Pose> odometry;     // at the last processed step
+  Estimate last;
+  std::size_t jumps = 0, steps = 0;
+  bool started = false;
+  Sha256 estimates;
+
+  RandomKey key() const { return {config.seed, static_cast<std::uint32_t>(steps)}; }
+  void begin(ParticleSet set);
+  bool gated(const OdometryIncrement& u) const;
+  MotionStep motion(const OdometryIncrement& u);
+  void remember(const Estimate& e);
+};
+
+void ParticleFilter::State::begin(ParticleSet set) {
+  backend->upload(set);
+  odometry.reset();
+  counts = {};
+  last = {};
+  jumps = steps = 0;
+  estimates = {};
+  started = true;
+}
+
+/// Too little motion since the last processed scan to weigh another one (SPEC 6.4).
+bool ParticleFilter::State::gated(const OdometryIncrement& u) const {
+  if (config.update_min_d <= 0 && config.update_min_a <= 0) return false;
+  const double turn = std::fabs(wrap64(u.rot1_rad + u.rot2_rad));
+  return std::fabs(u.trans_m) < config.update_min_d && turn < config.update_min_a;
+}
+
+MotionStep ParticleFilter::State::motion(const OdometryIncrement& u) {
+  const double length_m = std::fabs(u.trans_m);
+  const bool jump = length_m > config.motion.max_jump_m;
+  if (jump) ++jumps;
+  return motion_step(u, config.motion, jump ? length_m / config.motion.max_jump_m : 1.0);
+}
+
+void ParticleFilter::State::remember(const Estimate& e) {
+  for (const double v : {e.pose.x_m, e.pose.y_m, e.pose.theta_rad, e.n_eff}) estimates.add(v);
+  for (const double v : e.covariance.v) estimates.add(v);
+  last = e;
+}
+
+ParticleFilter::ParticleFilter(const FilterConfig& config, const GridMap& map) : state_(std::make_unique<State>()) {
+  validate(config);
+  if (!has_free_cell(map)) throw Error(ErrorKind::input, map.name + ": the map has no free cell");
+  state_->config = config;
+  state_->map = map;
+  std::string why;
+  state_->backend = make_backend(config.backend, {config.particles, config.threads, config.sensor, config.resample}, why);
+  state_->backend->set_map(map);
+}
+
+ParticleFilter::~ParticleFilter() = default;
+ParticleFilter::ParticleFilter(ParticleFilter&&) noexcept = default;
+ParticleFilter& ParticleFilter::operator=(ParticleFilter&&) noexcept = default;
+
+void ParticleFilter::start_at(const Pose& pose, double sigma_x_m, double sigma_y_m, double sigma_theta_rad) {
+  State& s = *state_;
+  if (!finite(pose)) throw Error(ErrorKind::input, "start pose: expected finite numbers");
+  const Pose in_grid = relative(pose, s.map.T_map_grid);
+  const double cells_x = in_grid.x_m / s.map.resolution_m, cells_y = in_grid.y_m / s.map.resolution_m;
+  if (!(cells_x >= 0 && cells_y >= 0 && cells_x < s.map.width && cells_y < s.map.height))
+    throw Error(ErrorKind::input, "start pose (" + std::to_string(pose.x_m) + ", " + std::to_string(pose.y_m) +
+                                      "): expected a point inside the map " + s.map.name);
+  for (const double sigma : {sigma_x_m, sigma_y_m, sigma_theta_rad})
+    if (!(sigma >= 0) || !std::isfinite(sigma))
+      throw Error(ErrorKind::input, "start pose: expected standard deviations that are finite and not negative");
+  s.begin(gaussian_start(s.map, pose, sigma_x_m, sigma_y_m, sigma_theta_rad, s.config.particles, s.config.seed));
+}
+
+void ParticleFilter::start_anywhere() {
+  state_->begin(uniform_start(state_->map, state_->config.particles, state_->config.seed));
+}
+
+Estimate ParticleFilter::step(const Pose& odometry, const Scan& scan) {
+  State& s = *state_;
+  if (!s.started) throw Error(ErrorKind::internal, "ParticleFilter::step before start_at or start_anywhere");
+  if (!finite(odometry)) return s.last;
+  if (!s.odometry) s.odometry = odometry;
+  const OdometryIncrement u = odometry_increment(*s.odometry, odometry, s.config.motion.min_translation_m);
+  if (s.steps > 0 && s.gated(u)) {
+    Estimate e = s.last;
+    e.pose = compose(s.last.pose, relative(odometry, *s.odometry));
+    e.weighted = e.resampled = false;
+    return e;
+  }
+  s.odometry = odometry;
+
+  select_beams(scan, s.config.scan, s.config.sensor, s.map.resolution_m, s.beams, s.counts);
+  const bool weighted = s.beams.count >= static_cast<std::size_t>(s.config.scan.min_beams);
+  if (weighted && s.beams.range_max_m != static_cast<float>(s.range_max_m)) {
+    s.range_max_m = s.beams.range_max_m;
+    s.backend->set_range_max(s.range_max_m);
+  }
+
+  s.backend->predict(s.motion(u), s.key());  // Paz et al. 2012, eq. 6 to 8
+  if (weighted) {
+    s.counts.used += s.beams.count;
+    s.backend->set_scan(s.beams);
+    s.backend->weight(true);  // algorithms 1 and 3, fused
+  }
+  s.backend->normalise_scan();
+  s.backend->estimate();                          // eq. 13, with a circular mean; before resampling
+  if (weighted) s.backend->resample(s.key());     // algorithm 4, when N_eff asks for it
+  const Estimate e = to_estimate(s.backend->finish(), s.config, s.map.T_map_grid, weighted);
+  s.remember(e);
+  ++s.steps;
+  return e;
+}
+
+std::vector<Particle> ParticleFilter::particles() const {
+  const ParticleSet set = state_->backend->download();
+  const SinCos64 r = portable_sincos64(state_->map.T_map_grid.theta_rad);
+  const Pose& T = state_->map.T_map_grid;
+  double total = 0.0;
+  std::vector<Particle> out(set.x.size());
+  for (std::size_t i = 0; i < out.size(); ++i) {
+    out[i].x_m = static_cast<float>(T.x_m + r.cos * set.x[i] - r.sin * set.y[i]);
+    out[i].y_m = static_cast<float>(T.y_m + r.sin * set.x[i] + r.cos * set.y[i]);
+    out[i].theta_rad = static_cast<float>(wrap64(T.theta_rad + set.theta[i]));
+    out[i].weight = portable_exp(set.log_weight[i]);
+    total += out[i].weight;
+  }
+  for (Particle& p : out) p.weight = static_cast<float>(p.weight / total);
+  return out;
+}
+
+const BeamCounts& ParticleFilter::beam_counts() const { return state_->counts; }
+std::size_t ParticleFilter::odometry_jumps() const { return state_->jumps; }
+std::size_t ParticleFilter::steps() const { return state_->steps; }
+std::string ParticleFilter::backend_name() const { return state_->backend->name(); }
+const FilterConfig& ParticleFilter::config() const { return state_->config; }
+const GridMap& ParticleFilter::map() const { return state_->map; }
+
+std::string ParticleFilter::digest() const {
+  Sha256 sha = state_->estimates;
+  const ParticleSet set = state_->backend->download();
+  for (const auto* values : {&set.x, &set.y, &set.theta, &set.log_weight})
+    for (const float v : *values) sha.add(v);
+  return sha.hex();
+}
+
+}  // namespace parloc

@@ -1,0 +1,92 @@
+// The bootstrap particle filter: predict, weight, normalise, estimate, resample (Paz et al. 2012, algorithm 2).
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "common/filter/config.h"
+#include "common/io/log.h"
+#include "common/map/grid_map.h"
+#include "common/math/pose.h"
+
+namespace parloc {
+
+/// 3x3 covariance of (x, y, theta), row-major, symmetric [m^2, m rad, rad^2].
+struct Covariance {
+  double v[9] = {};
+};
+
+/// A weighted mean with circular heading, and its covariance, in the map frame.
+struct PoseEstimate {
+  Pose mean;
+  Covariance covariance;
+  double weight = 0.0;             ///< Share of the total weight, 0 to 1.
+  double heading_resultant = 0.0;  ///< R of the circular mean: 1 is certain, 0 undefined.
+};
+
+/// What one filter step says. The only thing that comes up from the device in a step.
+struct Estimate {
+  Pose pose;              ///< Of the mode chosen in the configuration.
+  Covariance covariance;  ///< Of the same.
+  PoseEstimate mean;      ///< All particles.
+  PoseEstimate cluster;   ///< The heaviest connected cluster of 0.5 m x 0.5 m x 10 degree bins.
+  double n_eff = 0.0;
+  bool weighted = false;           ///< A scan was used (else prediction only).
+  bool resampled = false;
+  bool lost = false;               ///< Every particle had weight zero: weights were made uniform.
+  bool ambiguous_heading = false;  ///< The mean's heading is undefined; the cluster's was taken.
+};
+
+/// How the beams of a scan were sorted out; also summed over a run.
+struct BeamCounts {
+  std::size_t total = 0;        ///< In the scan.
+  std::size_t considered = 0;   ///< After even decimation to max_beams.
+  std::size_t used = 0;         ///< Gave evidence.
+  std::size_t misses = 0;       ///< Among the considered: at or above the maximum, or +inf.
+  std::size_t nan = 0, infinite = 0, negative = 0, zero = 0, below_min = 0;  ///< Rejected, by reason.
+};
+
+/// A particle as a user sees it: map frame, weight share.
+struct Particle {
+  float x_m, y_m, theta_rad, weight;
+};
+
+/// Not thread-safe; one object per filter. Deterministic: the same configuration, map and calls give the same bits
+/// on every backend, thread count and instruction set (docs/determinism.md).
+class ParticleFilter {
+ public:
+  /// Throws Error{config} for an impossible configuration, Error{backend} if the backend is not there, Error{input}
+  /// for a map without free cells.
+  ParticleFilter(const FilterConfig& config, const GridMap& map);
+  ~ParticleFilter();
+  ParticleFilter(ParticleFilter&&) noexcept;
+  ParticleFilter& operator=(ParticleFilter&&) noexcept;
+
+  /// Gaussian start. Throws Error{input} if the pose is not finite or lies outside the map.
+  void start_at(const Pose& pose_in_map, double sigma_x_m, double sigma_y_m, double sigma_theta_rad);
+  /// Uniform over the free cells.
+  void start_anywhere();
+
+  /// Moves by the odometry since the last call and weighs the scan (first call: no motion).
+  /// Non-finite odometry is skipped and counted.
+  Estimate step(const Pose& odometry, const Scan& scan);
+
+  /// The particles of the last step (downloads them).
+  std::vector<Particle> particles() const;
+  const BeamCounts& beam_counts() const;   ///< Summed since the start.
+  std::size_t odometry_jumps() const;      ///< Steps longer than max_jump_m.
+  std::size_t steps() const;
+  std::string backend_name() const;        ///< "cpu (AVX-512, 2 threads)" or "cuda (device name)".
+  const FilterConfig& config() const;
+  const GridMap& map() const;
+  /// SHA-256 over particles by slot and over every step's estimate, hex.
+  std::string digest() const;
+
+ private:
+  struct State;
+  std::unique_ptr<State> state_;
+};
+
+}  // namespace parloc

@@ -1,0 +1,144 @@
+// THE STAGE CONTRACT. The six stages exist under the same names in cpu/ (OpenMP) and cuda/ (kernels); both are only
+// loops over the functions in common/, so that every array below holds the same bits on both.
+//
+// Frame and units: particles live in the grid frame of the map (origin at its lower-left corner), float32 metres and
+// radians, so that coordinates stay small. Angles in [-pi, pi). N particles (1 to 2^24), M beams (0 to 4096).
+// Storage slots never move; slot i is also the random counter of particle i.
+// Memory: every pointer is in the backend's space. The caller owns it; no stage allocates.
+// Failure: stages do not fail on data. NaN log-weights count as -inf; if all are -inf, the weights become uniform and
+// `degenerate` is set. A failing device throws Error{internal}.
+//
+// | stage          | reads                                    | writes                                            |
+// |----------------|------------------------------------------|---------------------------------------------------|
+// | predict        | poses, MotionStep                        | poses                                             |
+// | ray_trace      | poses, map, beams                        | expected_m[N][M] (unfused reference)              |
+// | weight         | poses, map, beams (or expected_m)        | log_weight += tempering * sum of beams            |
+// | normalise_scan | log_weight                               | log_weight - max, weight[N], cumulative[N], state |
+// | estimate       | poses, weight, state                     | state.moments of all and of the heaviest cluster  |
+// | resample       | poses, weight, cumulative, state         | ancestor[N], the other pose buffer, log_weight    |
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+
+#include "common/filter/config.h"
+#include "common/map/ray_cast.h"
+#include "common/model/likelihood_field.h"
+#include "common/model/motion.h"
+#include "common/model/ray_models.h"
+
+namespace parloc {
+
+constexpr std::int64_t kMaxParticles = std::int64_t{1} << 24;
+
+/// Structure of arrays, N entries each.
+struct Particles {
+  float* x = nullptr;
+  float* y = nullptr;
+  float* theta = nullptr;
+  float* log_weight = nullptr;
+  std::size_t count = 0;
+};
+
+/// Who draws random numbers in this step.
+struct RandomKey {
+  std::uint64_t seed = 0;
+  std::uint32_t step = 0;
+};
+
+/// A BeamTable in the backend's memory (common/model/beams.h).
+struct Beams {
+  const float* direction_x = nullptr;
+  const float* direction_y = nullptr;
+  const float* range_m = nullptr;
+  const float* short_density = nullptr;
+  const float* end_x = nullptr;
+  const float* end_y = nullptr;
+  std::size_t count = 0;
+  std::size_t hits = 0;
+  float range_max_m = 0.0f;
+  float sensor_x = 0.0f, sensor_y = 0.0f;
+};
+
+struct PredictArgs {
+  Particles particles;
+  MotionStep motion;
+  RandomKey key;
+};
+
+struct RayTraceArgs {
+  Particles particles;
+  RayMap map;
+  Beams beams;
+  RayCaster caster = RayCaster::skip;
+  float fixed_step_cells = 0.5f;
+  float* expected_m = nullptr;  ///< [N][M], row per particle; range_max_m where nothing is hit.
+};
+
+/// `expected_m` null: rays are traced on the fly (fused), nothing of size N x M is stored. Same bits either way.
+struct WeightArgs {
+  Particles particles;
+  Beams beams;
+  SensorModel model = SensorModel::likelihood_field;
+  float tempering = 1.0f;
+  RayMap map;                   ///< ray models
+  RayCaster caster = RayCaster::skip;
+  float fixed_step_cells = 0.5f;
+  GaussianBeam gaussian;        ///< model == gaussian
+  CensoredBeam censored;        ///< model == beam
+  LikelihoodField field;        ///< model == likelihood_field
+  FieldLookup lookup = FieldLookup::bilinear;
+  const float* expected_m = nullptr;
+};
+
+/// Weighted sums that an estimate is made of; in the grid frame.
+struct Moments {
+  double weight = 0;                        ///< Share of the total.
+  double x = 0, y = 0, theta = 0;           ///< Mean; theta circular.
+  double resultant = 0;                     ///< R of the circular mean.
+  double xx = 0, xy = 0, xt = 0, yy = 0, yt = 0, tt = 0;  ///< Covariance about the mean, heading differences wrapped.
+};
+
+/// The one small struct that comes up per step.
+struct StepState {
+  float max_log_weight = 0;
+  std::uint32_t degenerate = 0;  ///< All weights were zero.
+  std::uint32_t resample = 0;    ///< N_eff < threshold * N.
+  std::uint32_t best_slot = 0;   ///< Bin-table slot of the heaviest cluster's root.
+  std::uint64_t total = 0;       ///< Sum of the fixed-point weights.
+  double n_eff = 0;
+  Moments all;
+  Moments cluster;
+};
+
+/// Fixed-point weights of a particle set.
+struct Weights {
+  std::uint64_t* weight = nullptr;      ///< [N] round(exp(log_weight - max) 2^S)
+  std::uint64_t* cumulative = nullptr;  ///< [N] inclusive sum
+  std::size_t count = 0;
+};
+
+struct NormaliseArgs {
+  Particles particles;
+  Weights weights;
+  double threshold = 0.5;  ///< tau: resample iff total^2 < tau N sum(q^2), i.e. N_eff < tau N.
+  bool always = false;     ///< Resample in any case.
+  StepState* state = nullptr;
+};
+
+/// Hash table of occupied pose bins (common/filter/bins.h).
+struct BinTable;
+
+struct ResampleArgs {
+  Particles from;
+  Particles to;             ///< The other buffer; always written: copies when state.resample is 0.
+  Weights weights;
+  ResampleScheme scheme = ResampleScheme::systematic;
+  RandomKey key;
+  const StepState* state = nullptr;
+  std::uint32_t* ancestor = nullptr;       ///< [N]
+  std::uint64_t* offspring_sum = nullptr;  ///< [N] scratch of the residual scheme (null otherwise)
+  std::uint64_t* remainder_sum = nullptr;  ///< [N] likewise
+};
+
+}  // namespace parloc

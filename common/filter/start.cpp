@@ -1,0 +1,49 @@
+#include "common/filter/start.h"
+
+#include "common/error.h"
+#include "common/math/philox.h"
+#include "common/math/portable64.h"
+
+namespace parloc {
+namespace {
+
+ParticleSet empty_set(std::int64_t particles) {
+  const auto n = static_cast<std::size_t>(particles);
+  return {std::vector<float>(n), std::vector<float>(n), std::vector<float>(n), std::vector<float>(n, 0.0f)};
+}
+
+}  // namespace
+
+ParticleSet gaussian_start(const GridMap& map, const Pose& pose, double sx, double sy, double st, std::int64_t particles,
+                           std::uint64_t seed) {
+  ParticleSet set = empty_set(particles);
+  for (std::size_t i = 0; i < set.x.size(); ++i) {
+    const Normals n = normals(philox(static_cast<std::uint32_t>(i), 0, Stream::gaussian_start, 0, seed));
+    const Pose drawn{pose.x_m + sx * n.n[0], pose.y_m + sy * n.n[1], wrap64(pose.theta_rad + st * n.n[2])};
+    const Pose in_grid = relative(drawn, map.T_map_grid);
+    set.x[i] = static_cast<float>(in_grid.x_m);
+    set.y[i] = static_cast<float>(in_grid.y_m);
+    set.theta[i] = wrap(static_cast<float>(in_grid.theta_rad));
+  }
+  return set;
+}
+
+ParticleSet uniform_start(const GridMap& map, std::int64_t particles, std::uint64_t seed) {
+  std::vector<std::uint32_t> free_cells;
+  for (std::size_t c = 0; c < map.size(); ++c)
+    if (map.cells[c] == Cell::free) free_cells.push_back(static_cast<std::uint32_t>(c));
+  if (free_cells.empty()) throw Error(ErrorKind::input, map.name + ": the map has no free cell to start in");
+  ParticleSet set = empty_set(particles);
+  const float resolution_m = static_cast<float>(map.resolution_m);
+  const auto width = static_cast<std::uint32_t>(map.width);
+  for (std::size_t i = 0; i < set.x.size(); ++i) {
+    const Philox4x32 r = philox(static_cast<std::uint32_t>(i), 0, Stream::uniform_start, 0, seed);
+    const std::uint32_t cell = free_cells[uniform_below(r.w[0], static_cast<std::uint32_t>(free_cells.size()))];
+    set.x[i] = (static_cast<float>(cell % width) + uniform_unit(r.w[1])) * resolution_m;
+    set.y[i] = (static_cast<float>(cell / width) + uniform_unit(r.w[2])) * resolution_m;
+    set.theta[i] = wrap(fused(6.28318548f, uniform_unit(r.w[3]), -3.14159274f));
+  }
+  return set;
+}
+
+}  // namespace parloc

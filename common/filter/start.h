@@ -1,0 +1,18 @@
+// Initial particle sets, in the grid frame of a map (SPEC 6.2 and stream 1 of 0.5).
+#pragma once
+
+#include <cstdint>
+
+#include "common/filter/backend.h"
+#include "common/map/grid_map.h"
+
+namespace parloc {
+
+/// Gaussian about a pose of the map frame; normals 0 to 2 of stream gaussian_start are x, y, theta, along the map's axes.
+ParticleSet gaussian_start(const GridMap& map, const Pose& pose_in_map, double sigma_x_m, double sigma_y_m,
+                           double sigma_theta_rad, std::int64_t particles, std::uint64_t seed);
+
+/// Uniform over the free cells and all headings. Throws Error{input} for a map without free cells.
+ParticleSet uniform_start(const GridMap& map, std::int64_t particles, std::uint64_t seed);
+
+}  // namespace parloc

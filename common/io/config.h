@@ -1,0 +1,22 @@
+// The filter's configuration as strict YAML.
+#pragma once
+
+#include <string>
+
+#include "common/filter/config.h"
+
+namespace parloc {
+
+/// Reads a YAML file over the defaults. Throws Error{config} with file:line for an unknown key (naming the nearest
+/// valid one), a duplicate key, a wrong type, or a value out of its range (naming the range).
+/// `alpha1..alpha4` require `form` beside them.
+FilterConfig read_config(const std::string& path);
+FilterConfig config_from_text(const std::string& text, const std::string& name);
+
+/// The whole configuration, every key with a comment that explains it. read_config gives it back.
+std::string config_to_yaml(const FilterConfig& config);
+
+/// Cross-field rules (mixture sums to 1 within 1e-6, ...). Throws Error{config} naming the key.
+void validate(const FilterConfig& config);
+
+}  // namespace parloc

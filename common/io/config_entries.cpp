@@ -1,0 +1,224 @@
+// YAML events -> entries. Events rather than a node tree: every entry has its line, nothing is nested deeper
+// than a group, and anchors (with them: alias bombs) are refused before they can mean anything.
+#include "common/io/config_entries.h"
+
+#include <fmt/format.h>
+#include <yaml-cpp/eventhandler.h>
+#include <yaml-cpp/exceptions.h>
+#include <yaml-cpp/mark.h>
+#include <yaml-cpp/parser.h>
+
+#include <algorithm>
+#include <cstring>
+#include <optional>
+#include <sstream>
+#include <string_view>
+
+#include "common/error.h"
+#include "common/io/config_text.h"
+#include "common/io/nearest_name.h"
+
+namespace parloc {
+namespace {
+
+using config_text::full_name;
+using config_text::printable;
+
+bool is_group(std::string_view name) {
+  return std::any_of(kFieldGroups.begin(), kFieldGroups.end(),
+                     [&](const FieldGroup& g) { return g.name == name; });
+}
+
+bool is_setting(std::string_view group, std::string_view key) {
+  bool found = false;
+  const FilterConfig defaults;
+  visit_fields(defaults,
+               [&](const Field& f, const auto&...) { found = found || (group == f.group && key == f.key); });
+  return found;
+}
+
+/// Finds the valid name nearest to a misspelt one; the same group wins a tie.
+struct NearestSetting {
+  const std::string& group;
+  const std::string& key;
+  std::size_t best;
+  std::string name;
+
+  template <class... Rest>
+  void operator()(const Field& field, Rest&&...) {
+    consider(field.group, field.key);
+  }
+  void consider(const char* known_group, const char* known_key) {
+    // Doubled, so that another group costs half a letter: it breaks ties, no more.
+    const std::size_t distance = 2 * edit_distance(key, known_key) + (group == known_group ? 0 : 1);
+    if (distance >= best) return;
+    best = distance;
+    name = full_name(known_group, known_key);
+  }
+};
+
+std::string unknown_key_message(const std::string& group, const std::string& key) {
+  const std::string written = printable(full_name(group, key));
+  constexpr std::size_t longest_sensible = 100;  // bounds the work that a hostile key makes
+  if (key.size() > longest_sensible) return fmt::format("unknown key '{}'", written);
+  const FilterConfig defaults;
+  NearestSetting nearest{group, key, static_cast<std::size_t>(-1), {}};
+  visit_fields(defaults, nearest);
+  if (group.empty()) {
+    for (const FieldGroup& known : kFieldGroups) nearest.consider("", known.name);
+  }
+  return fmt::format("unknown key '{}'; the nearest valid key is '{}'", written, nearest.name);
+}
+
+/// Collects the entries of one document; throws Error{config} at the first thing that a configuration cannot
+/// hold.
+class EntryCollector : public YAML::EventHandler {
+ public:
+  explicit EntryCollector(const std::string& file) : file_(file) {}
+  std::vector<ConfigEntry> entries;
+
+  void OnDocumentStart(const YAML::Mark& mark) override {
+    if (++documents_ > 1) fail(line_of(mark), "expected one document, found a second one ('---')");
+  }
+  void OnDocumentEnd() override {}
+
+  void OnNull(const YAML::Mark& mark, YAML::anchor_t anchor) override {
+    refuse_extras(mark, "", anchor);
+    if (level_ == Level::document) return;  // a file of comments: all defaults
+    if (!key_) fail(line_of(mark), "expected a key, found none");
+    take_value("", false, true);
+  }
+  void OnAlias(const YAML::Mark& mark, YAML::anchor_t) override {
+    fail(line_of(mark), "aliases ('*name') are not allowed");
+  }
+  void OnScalar(const YAML::Mark& mark, const std::string& tag, YAML::anchor_t anchor,
+                const std::string& value) override {
+    refuse_extras(mark, tag, anchor);
+    if (level_ == Level::document) {
+      fail(line_of(mark), fmt::format("expected lines of 'key: value', got '{}'", printable(value)));
+    }
+    if (key_) {
+      take_value(value, tag == "!", false);
+    } else {
+      key_ = value;
+      key_line_ = line_of(mark);
+    }
+  }
+  void OnSequenceStart(const YAML::Mark& mark, const std::string&, YAML::anchor_t,
+                       YAML::EmitterStyle::value) override {
+    if (!key_) fail(line_of(mark), "expected lines of 'key: value', got a list");
+    require_known_key();
+    fail(line_of(mark), fmt::format("expected a single value for '{}', got a list", *key_));
+  }
+  void OnSequenceEnd() override {}
+  void OnMapStart(const YAML::Mark& mark, const std::string& tag, YAML::anchor_t anchor,
+                  YAML::EmitterStyle::value) override {
+    refuse_extras(mark, tag, anchor);
+    if (level_ == Level::document) {
+      level_ = Level::top;
+      return;
+    }
+    if (!key_) fail(line_of(mark), "expected a key, got a group");
+    require_known_key();
+    if (level_ != Level::top || !is_group(*key_)) {
+      fail(line_of(mark),
+           fmt::format("expected a single value for '{}', got a group", full_name(group_, *key_)));
+    }
+    note_group();
+    group_ = *key_;
+    level_ = Level::group;
+    key_.reset();
+  }
+  void OnMapEnd() override {
+    level_ = level_ == Level::group ? Level::top : Level::document;
+    group_.clear();
+  }
+
+ private:
+  enum class Level { document, top, group };
+
+  static std::size_t line_of(const YAML::Mark& mark) {
+    return mark.line < 0 ? 0 : static_cast<std::size_t>(mark.line) + 1;
+  }
+  [[noreturn]] void fail(std::size_t line, const std::string& message) const {
+    throw config_text::error(file_, line, message);
+  }
+  void refuse_extras(const YAML::Mark& mark, const std::string& tag, YAML::anchor_t anchor) const {
+    if (anchor != 0) fail(line_of(mark), "anchors ('&name') are not allowed");
+    if (!tag.empty() && tag != "?" && tag != "!") {  // "?" is a plain scalar, "!" a quoted one
+      fail(line_of(mark), fmt::format("type tags are not allowed, got '{}'", printable(tag)));
+    }
+  }
+  void require_known_key() const {
+    const bool known = is_setting(group_, *key_) || (level_ == Level::top && is_group(*key_));
+    if (!known) fail(key_line_, unknown_key_message(group_, *key_));
+  }
+  void note_group() {
+    if (std::find(seen_groups_.begin(), seen_groups_.end(), *key_) != seen_groups_.end()) {
+      fail(key_line_, fmt::format("duplicate group '{}'", *key_));
+    }
+    seen_groups_.push_back(*key_);
+  }
+  void take_value(const std::string& value, bool quoted, bool empty) {
+    require_known_key();
+    if (level_ == Level::top && is_group(*key_)) {
+      if (!empty) {
+        fail(key_line_,
+             fmt::format("'{}' is a group: expected indented 'key: value' lines below it, got '{}'", *key_,
+                         printable(value)));
+      }
+      note_group();  // all of its keys are commented out
+    } else {
+      for (const ConfigEntry& earlier : entries) {
+        if (earlier.group != group_ || earlier.key != *key_) continue;
+        fail(key_line_,
+             fmt::format("duplicate key '{}', first on line {}", full_name(group_, *key_), earlier.line));
+      }
+      entries.push_back({group_, *key_, value, key_line_, quoted, empty});
+    }
+    key_.reset();
+  }
+
+  const std::string& file_;
+  std::vector<std::string> seen_groups_;
+  std::string group_;
+  std::optional<std::string> key_;  ///< Read, its value not yet.
+  std::size_t key_line_ = 0;
+  Level level_ = Level::document;
+  int documents_ = 0;
+};
+
+void refuse_binary(const std::string& text, const std::string& file) {
+  if (text.size() > kLongestConfig) {
+    throw config_text::error(
+        file, 0, fmt::format("expected a configuration of at most {} KiB", kLongestConfig / 1024));
+  }
+  std::size_t line = 1;
+  for (const char c : text) {
+    const auto byte = static_cast<unsigned char>(c);
+    const bool control = byte < 0x20 && c != '\t' && c != '\n' && c != '\r';
+    if (control || byte == 0x7f) {
+      throw config_text::error(file, line, fmt::format("expected text, found the byte 0x{:02x}", byte));
+    }
+    if (c == '\n') ++line;
+  }
+}
+
+}  // namespace
+
+std::vector<ConfigEntry> config_entries(const std::string& text, const std::string& file) {
+  refuse_binary(text, file);
+  EntryCollector collector(file);
+  try {
+    std::istringstream stream(text);
+    YAML::Parser parser(stream);
+    while (parser.HandleNextDocument(collector)) {
+    }
+  } catch (const YAML::Exception& e) {
+    const std::size_t line = e.mark.line < 0 ? 0 : static_cast<std::size_t>(e.mark.line) + 1;
+    throw config_text::error(file, line, "not valid YAML: " + printable(e.msg));
+  }
+  return std::move(collector.entries);
+}
+
+}  // namespace parloc

@@ -1,0 +1,52 @@
+// Prints a configuration as YAML with a comment per key.
+#include <fmt/format.h>
+
+#include <string>
+
+#include "common/io/config.h"
+#include "common/io/config_text.h"
+
+namespace parloc {
+namespace {
+
+/// Appends one line per setting: "  key: value   # what it means (limits)".
+struct Printer {
+  std::string text;
+  std::string group;
+
+  template <class Number>
+  void operator()(const Field& field, Number value, const Limits<Number>& limits) {
+    // fmt's {} is the shortest text that reads back as the same number.
+    line(field, fmt::format("{}", value), config_text::limits_text(limits));
+  }
+  void operator()(const Field& field, bool value) { line(field, value ? "true" : "false", "true or false"); }
+  template <class Enum, std::size_t n>
+  void operator()(const Field& field, Enum value, const std::array<Choice<Enum>, n>& choices) {
+    const char* name = config_text::choice_name(value, choices);
+    line(field, name ? name : "?", config_text::choices_text(choices));
+  }
+
+ private:
+  void line(const Field& field, const std::string& value, const std::string& allowed) {
+    if (group != field.group) open_group(field.group);
+    const std::string setting = fmt::format("{}{}: {}", group.empty() ? "" : "  ", field.key, value);
+    text += fmt::format("{:<36}  # {} ({})\n", setting, field.doc, allowed);
+  }
+  void open_group(const char* name) {
+    group = name;
+    for (const FieldGroup& known : kFieldGroups) {
+      if (group == known.name) text += fmt::format("\n# {}\n", known.doc);
+    }
+    text += group + ":\n";
+  }
+};
+
+}  // namespace
+
+std::string config_to_yaml(const FilterConfig& config) {
+  Printer printer;
+  visit_fields(config, printer);
+  return printer.text;
+}
+
+}  // namespace parloc

@@ -1,0 +1,87 @@
+// Rules that a configuration must keep, wherever it came from.
+#include <cmath>
+#include <optional>
+#include <string>
+
+#include "common/error.h"
+#include "common/io/config.h"
+#include "common/io/config_rules.h"
+#include "common/io/config_text.h"
+
+namespace parloc {
+namespace {
+
+using config_text::full_name;
+
+/// Notes the first setting that lies outside its limits.
+struct LimitsCheck {
+  std::optional<ConfigViolation> violation;
+
+  template <class Number>
+  void operator()(const Field& field, Number value, const Limits<Number>& limits) {
+    if (!violation && !config_text::within(value, limits)) {
+      violation = {full_name(field), config_text::limits_message(field, value, limits)};
+    }
+  }
+  void operator()(const Field&, bool) {}
+  template <class Enum, std::size_t n>
+  void operator()(const Field& field, Enum value, const std::array<Choice<Enum>, n>& choices) {
+    if (!violation && config_text::choice_name(value, choices) == nullptr) {
+      violation = {full_name(field),
+                   fmt::format("{} must be {}, got the number {}", full_name(field),
+                               config_text::choices_text(choices), static_cast<int>(value))};
+    }
+  }
+};
+
+std::optional<ConfigViolation> scan_violation(const ScanConfig& scan) {
+  if (scan.min_beams > scan.max_beams) {
+    return ConfigViolation{"scan.min_beams",
+                           fmt::format("scan.min_beams ({}) must not exceed scan.max_beams ({})",
+                                       scan.min_beams, scan.max_beams)};
+  }
+  if (scan.laser_min_range >= scan.laser_max_range) {
+    return ConfigViolation{"scan.laser_min_range",
+                           fmt::format("scan.laser_min_range ({}) must be below scan.laser_max_range ({})",
+                                       scan.laser_min_range, scan.laser_max_range)};
+  }
+  return std::nullopt;
+}
+
+/// SPEC 3.3: the mixture is a probability, and no single beam may rule out every particle.
+std::optional<ConfigViolation> mixture_violation(const SensorConfig& sensor) {
+  if (sensor.model == SensorModel::gaussian) return std::nullopt;  // has no mixture
+  const double sum = sensor.z_hit + sensor.z_short + sensor.z_max + sensor.z_rand;
+  if (!(std::fabs(sum - 1.0) <= 1e-6)) {
+    return ConfigViolation{"sensor.z_hit",
+                           fmt::format("sensor.z_hit + z_short + z_max + z_rand must be 1, got {}"
+                                       " ({} + {} + {} + {})",
+                                       sum, sensor.z_hit, sensor.z_short, sensor.z_max, sensor.z_rand)};
+  }
+  if (sensor.z_rand <= 0.0) {
+    return ConfigViolation{"sensor.z_rand",
+                           "sensor.z_rand must be above 0, else a single beam can rule out every particle"};
+  }
+  if (sensor.model == SensorModel::beam && sensor.z_max <= 0.0) {
+    return ConfigViolation{"sensor.z_max",
+                           "sensor.z_max must be above 0 with sensor.model beam, else a single beam "
+                           "without return can rule out every particle"};
+  }
+  return std::nullopt;
+}
+
+}  // namespace
+
+std::optional<ConfigViolation> first_violation(const FilterConfig& config) {
+  LimitsCheck check;
+  visit_fields(config, check);
+  if (check.violation) return check.violation;
+  if (auto violation = scan_violation(config.scan)) return violation;
+  return mixture_violation(config.sensor);
+}
+
+void validate(const FilterConfig& config) {
+  if (const auto violation = first_violation(config)) throw Error(ErrorKind::config, violation->message);
+}
+
+}  // namespace parloc

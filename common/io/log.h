@@ -1,0 +1,69 @@
+// What a robot log holds, whatever its file format.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "common/math/pose.h"
+
+namespace parloc {
+
+/// One LiDAR scan. Beam i looks at angle_min_rad + i * angle_step_rad in the sensor frame.
+struct Scan {
+  double stamp_s = 0.0;
+  Pose T_base_sensor;
+  double angle_min_rad = 0.0;
+  double angle_step_rad = 0.0;
+  double range_min_m = 0.0;  ///< 0: the log does not say.
+  double range_max_m = 0.0;  ///< 0: the log does not say.
+  std::vector<float> ranges_m;  ///< As recorded: may hold NaN, inf, zeros, values beyond the maximum.
+};
+
+enum class RecordKind { odometry, scan };
+
+/// One odometry reading, or one scan with the odometry at its time.
+struct LogRecord {
+  RecordKind kind = RecordKind::odometry;
+  double stamp_s = 0.0;
+  Pose odometry;       ///< Pose of the base in the odometry frame.
+  Scan scan;           ///< For kind == scan.
+  std::string sensor;  ///< For kind == scan: "front", "rear" or "robotlaser1".
+  std::size_t line = 0;
+};
+
+/// What a reader worked around. Nothing is dropped without being counted here.
+struct LogWarnings {
+  std::size_t broken_lines = 0;          ///< Skipped lines; the first few are described in `messages`.
+  std::size_t backward_stamps = 0;       ///< A scan's stamp before that of the previous scan (file order is kept).
+  std::size_t beam_count_changes = 0;    ///< A scan with another number of beams than the one before of its sensor.
+  std::size_t unknown_messages = 0;      ///< Lines of message types that parloc has no use for.
+  std::vector<std::string> messages;     ///< "file:line: what was expected", at most 20.
+};
+
+/// A stream of records in file order.
+class LogReader {
+ public:
+  virtual ~LogReader() = default;
+  /// Fills `record` with the next one; false at the end. Broken lines are skipped and counted; never throws for them.
+  virtual bool next(LogRecord& record) = 0;
+  virtual const LogWarnings& warnings() const = 0;
+  /// Fraction of the file read so far, 0 to 1 (compressed bytes for gzip).
+  virtual double progress() const = 0;
+};
+
+/// Opens a CARMEN text log (ODOM, FLASER, RLASER, ROBOTLASER1; PARAM robot_frontlaser_offset and
+/// robot_rearlaser_offset; comments with #), plain or gzip (told apart by content).
+/// Throws Error{input} if the file cannot be read.
+std::unique_ptr<LogReader> open_carmen_log(const std::string& path);
+
+/// A CARMEN log already in memory, for tests and fuzzers. `name` stands for the file in messages.
+std::unique_ptr<LogReader> carmen_log_from_text(const std::string& text, const std::string& name);
+
+/// Writes one scan as a ROBOTLASER1 line (carries angles, limits and the sensor pose; ranges with 4 decimals, stamps
+/// with 6), so that open_carmen_log gives it back.
+std::string carmen_line(const LogRecord& record);
+
+}  // namespace parloc

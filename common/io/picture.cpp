@@ -1,0 +1,212 @@
+#include <algorithm>
+#include <cmath>
+#include <string>
+#include <vector>
+
+#include "common/error.h"
+#include "common/io/canvas.h"
+#include "common/io/html_text.h"
+#include "common/io/map_view.h"
+#include "common/io/output_file.h"
+#include "common/io/png_writer.h"
+#include "common/io/report.h"
+#include "common/io/report_parts.h"
+
+namespace parloc {
+namespace {
+
+constexpr std::int32_t least_px = 1100, most_px = 2000;
+constexpr std::int32_t text_scale = 2, line_px = 26, margin_px = 14;
+
+// Okabe and Ito's colours, as in the HTML report.
+constexpr Rgba estimate_colour = {0, 114, 178, 255};
+constexpr Rgba truth_colour = {230, 159, 0, 255};
+constexpr Rgba odometry_colour = {181, 80, 140, 255};
+constexpr Rgba particle_colour = {0, 158, 115, 160};
+constexpr Rgba white = {255, 255, 255, 255}, ink = {25, 28, 32, 255}, unknown_colour = {223, 226, 229, 255};
+
+void draw_cells(Canvas& canvas, const GridMap& map, const MapView& view) {
+  const std::vector<Cell> cells = raster(map, view);
+  std::size_t at = 0;
+  for (std::int32_t y = 0; y < view.height_px; ++y) {
+    for (std::int32_t x = 0; x < view.width_px; ++x) {
+      const Cell cell = cells[at++];
+      canvas.set(x, y, cell == Cell::occupied ? ink : cell == Cell::free ? white : unknown_colour);
+    }
+  }
+}
+
+/// A solid line, or dashes of `dash_px` with gaps as long (0: solid).
+void draw_track(Canvas& canvas, const Trajectory& track, const MapView& view, double width_px, double dash_px,
+                Rgba colour) {
+  bool pen_down = false;
+  Pixel last;
+  double travelled = 0.0;
+  for (const StampedPose& p : track) {
+    if (!drawable_point(p.pose.x_m, p.pose.y_m)) {
+      pen_down = false;
+      continue;
+    }
+    const Pixel to = view.to_pixel(p.pose.x_m, p.pose.y_m);
+    const double step = pen_down ? std::hypot(to.x - last.x, to.y - last.y) : 0.0;
+    if (pen_down && step < 0.7) continue;  // also bounds the work for a robot that stands still
+    const bool gap = dash_px > 0.0 && std::fmod(travelled, 2 * dash_px) >= dash_px;
+    if (pen_down && !gap) canvas.line(last.x, last.y, to.x, to.y, width_px, colour);
+    travelled += step, last = to, pen_down = true;
+  }
+}
+
+void draw_particles(Canvas& canvas, const RunReport& report, const MapView& view) {
+  if (report.snapshots.empty()) return;
+  const std::vector<Particle>& particles = report.snapshots.back().particles;
+  for (const std::size_t k : evenly_spaced(particles.size(), Snapshot::max_particles)) {
+    if (!drawable_point(particles[k].x_m, particles[k].y_m)) continue;
+    const Pixel at = view.to_pixel(particles[k].x_m, particles[k].y_m);
+    canvas.disc(at.x, at.y, 1.6, particle_colour);
+  }
+}
+
+void draw_ring(Canvas& canvas, double x, double y) {
+  canvas.disc(x, y, 8, estimate_colour);
+  canvas.disc(x, y, 4.5, white);
+}
+
+void draw_square(Canvas& canvas, double x, double y) {
+  canvas.rectangle(x - 8, y - 8, x + 8, y + 8, white);
+  canvas.rectangle(x - 6.5, y - 6.5, x + 6.5, y + 6.5, estimate_colour);
+}
+
+void draw_start_and_end(Canvas& canvas, const Trajectory& track, const MapView& view) {
+  if (track.empty()) return;
+  const Pose &first = track.front().pose, &last = track.back().pose;
+  if (drawable_point(first.x_m, first.y_m)) {
+    const Pixel at = view.to_pixel(first.x_m, first.y_m);
+    draw_ring(canvas, at.x, at.y);
+  }
+  if (drawable_point(last.x_m, last.y_m)) {
+    const Pixel at = view.to_pixel(last.x_m, last.y_m);
+    draw_square(canvas, at.x, at.y);
+  }
+}
+
+enum class Key { truth, estimate, odometry, particles, start, end };
+
+std::vector<Key> legend_keys(const RunReport& report) {
+  std::vector<Key> keys;
+  if (!report.estimate.empty()) keys.push_back(Key::estimate);
+  if (report.truth) keys.push_back(Key::truth);
+  if (!report.odometry.empty()) keys.push_back(Key::odometry);
+  if (!report.snapshots.empty()) keys.push_back(Key::particles);
+  if (!report.estimate.empty()) keys.insert(keys.end(), {Key::start, Key::end});
+  return keys;
+}
+
+const char* key_label(Key key) {
+  switch (key) {
+    case Key::truth:
+      return "truth";
+    case Key::estimate:
+      return "estimate";
+    case Key::odometry:
+      return "odometry alone";
+    case Key::particles:
+      return "particles";
+    case Key::start:
+      return "start";
+    case Key::end:
+      return "end";
+  }
+  return "";
+}
+
+void draw_key(Canvas& canvas, Key key, double x, double y) {
+  switch (key) {
+    case Key::truth:
+      return canvas.line(x + 4, y, x + 34, y, 7, truth_colour);
+    case Key::estimate:
+      return canvas.line(x + 3, y, x + 35, y, 3, estimate_colour);
+    case Key::odometry:
+      canvas.line(x + 2, y, x + 13, y, 2.5, odometry_colour);
+      return canvas.line(x + 24, y, x + 35, y, 2.5, odometry_colour);
+    case Key::particles:
+      for (int k = 0; k < 5; ++k) canvas.disc(x + 5 + 7 * k, y + (k % 2 == 0 ? 2 : -2), 2.4, particle_colour);
+      return;
+    case Key::start:
+      return draw_ring(canvas, x + 19, y);
+    case Key::end:
+      return draw_square(canvas, x + 19, y);
+  }
+}
+
+constexpr std::int32_t key_px = 48;  // room for the sample before its label
+
+/// The strip under the map: what the marks mean, in as many lines as it takes.
+struct Strip {
+  struct Item {
+    Key key;
+    std::int32_t x, line;
+  };
+  std::vector<Item> items;
+  std::int32_t lines = 1;
+};
+
+Strip legend_strip(const RunReport& report, std::int32_t width) {
+  Strip strip;
+  std::int32_t x = margin_px;
+  for (const Key key : legend_keys(report)) {
+    const std::int32_t wide = key_px + Canvas::text_width(key_label(key), text_scale) + 2 * margin_px;
+    if (x > margin_px && x + wide > width) x = margin_px, ++strip.lines;
+    strip.items.push_back({key, x, strip.lines - 1});
+    x += wide;
+  }
+  return strip;
+}
+
+void draw_strip(Canvas& canvas, const Strip& strip, std::int32_t top) {
+  for (const Strip::Item& item : strip.items) {
+    const std::int32_t middle = top + margin_px / 2 + item.line * line_px + line_px / 2;
+    draw_key(canvas, item.key, item.x, middle);
+    canvas.text(item.x + key_px, middle - 7 * text_scale / 2, key_label(item.key), text_scale, ink);
+  }
+}
+
+/// In the lower left corner of the map, on a pale plate so that it can be read on walls.
+void draw_scale_bar(Canvas& canvas, const MapView& view) {
+  const double length_m = scale_bar_m(view);
+  const double length_px = length_m / view.pixel_m();
+  const std::string label = number_text(length_m, 4) + " m";
+  const std::int32_t text_px = Canvas::text_width(label, text_scale);
+  const double wide = std::max<double>(length_px, text_px);
+  const double left = margin_px, bottom = view.height_px - margin_px;
+  canvas.rectangle(left - 8, bottom - 32, left + wide + 8, bottom + 8, {255, 255, 255, 220});
+  canvas.rectangle(left, bottom - 4, left + length_px, bottom, ink);
+  canvas.text(
+      static_cast<std::int32_t>(left + (length_px - text_px) / 2 + std::max(0.0, (text_px - length_px) / 2)),
+      static_cast<std::int32_t>(bottom) - 26, label, text_scale, ink);
+}
+
+}  // namespace
+
+void write_picture(const std::string& path, const RunReport& report) {
+  const std::optional<MapView> fitted = fit_view(report, least_px, most_px);
+  if (!fitted) throw Error(ErrorKind::output, path + ": cannot be written: neither a map nor a path to show");
+  const MapView& view = *fitted;
+  const Strip strip = legend_strip(report, view.width_px);
+  const std::int32_t strip_px = strip.items.empty() ? 0 : strip.lines * line_px + margin_px;
+  Canvas map(view.width_px, view.height_px, white);
+  if (report.map != nullptr) draw_cells(map, *report.map, view);
+  if (report.truth) draw_track(map, *report.truth, view, 7, 0, truth_colour);
+  draw_track(map, report.odometry, view, 2.5, 9, odometry_colour);
+  draw_track(map, report.estimate, view, 3, 0, estimate_colour);
+  draw_start_and_end(map, report.estimate, view);
+  draw_particles(map, report, view);  // last: a converged cloud is smaller than the mark of the end
+  draw_scale_bar(map, view);
+
+  Canvas legend(view.width_px, std::max<std::int32_t>(1, strip_px), white);
+  draw_strip(legend, strip, 0);
+  std::vector<std::uint8_t> pixels = map.pixels();
+  if (strip_px > 0) pixels.insert(pixels.end(), legend.pixels().begin(), legend.pixels().end());
+  replace_file(path, encode_png_rgb(view.width_px, view.height_px + strip_px, pixels));
+}
+
+}  // namespace parloc

@@ -1,0 +1,87 @@
+// What a run shows to a person: one HTML file, and one picture.
+#pragma once
+
+#include <cstddef>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "common/eval/metrics.h"
+#include "common/filter/particle_filter.h"
+#include "common/io/trajectory.h"
+#include "common/map/grid_map.h"
+#include "common/math/pose.h"
+
+namespace parloc {
+
+/// The filter at one moment. All in the map frame.
+struct Snapshot {
+  struct Point {
+    float x_m, y_m;
+  };
+  double stamp_s = 0.0;
+  Pose pose;  ///< The estimate.
+  std::vector<Particle>
+      particles;  ///< More than Snapshot::max_particles are thinned evenly by slot when drawn.
+  std::vector<Point> scan_points;  ///< End points of the scan, seen from the estimate; may be empty.
+
+  static constexpr std::size_t max_particles = 2000;
+};
+
+/// One filter step in numbers. A value that is not known is NaN and leaves a gap in its plot.
+struct StepRecord {
+  double stamp_s = 0.0;
+  double n_eff = 0.0;
+  double sigma_x_m = 0.0, sigma_y_m = 0.0, sigma_theta_rad = 0.0;  ///< Of the estimate's covariance.
+  double step_ms = 0.0;                                            ///< Wall time of the step.
+  bool resampled = false;
+  bool lost = false;
+};
+
+/// A line of one of the report's tables. Both are plain text: the writer escapes them.
+struct Fact {
+  std::string key;
+  std::string value;
+};
+
+/// A titled table of facts: configuration, beams used and rejected, map, digest.
+struct FactTable {
+  std::string title;
+  std::vector<Fact> facts;
+};
+
+/// Everything a report can show. What is empty (or NaN, or null) is left out; only `title` is needed.
+struct RunReport {
+  std::string title;          ///< "log.gz on map.yaml"
+  std::string command_line;   ///< As typed, for repeating the run.
+  std::vector<Fact> summary;  ///< First rows of the first table; the writer adds poses, duration, distance,
+                              ///< errors and step times from the data below.
+  std::vector<FactTable> details;     ///< Further tables, at the end.
+  std::vector<std::string> warnings;  ///< What was worked around, one line each.
+
+  const GridMap* map = nullptr;  ///< Not owned; must outlive the writing.
+  Trajectory estimate;
+  std::optional<Trajectory> truth;
+  Trajectory odometry;                ///< Dead reckoning placed at the start pose, map frame.
+  std::optional<TrackErrors> errors;  ///< Of `estimate` against `truth`.
+
+  std::vector<StepRecord> steps;
+  double resample_below = 0.0;  ///< N_eff under which is resampled: threshold * particles; 0: not drawn.
+  double particles = 0.0;       ///< N, the upper end of the N_eff plot; 0: not known.
+
+  std::vector<Snapshot> snapshots;  ///< In time order; 6 to 12 follow a run well, at most 24 are shown.
+};
+
+/// One self-contained HTML file: no script, style, font or image from elsewhere; readable on a phone and in
+/// dark mode. The map is downsampled to at most 1600 pixels a side (an occupied cell wins), series to at most
+/// 1000 columns with their minimum and maximum, so that 15,000 steps stay below 3 MB. Values that are not
+/// finite leave gaps. Written to a temporary file beside `path` that is renamed: throws Error{output} and
+/// leaves what was there. The same report gives the same bytes.
+void write_report(const std::string& path, const RunReport& report);
+
+/// One PNG, the map in it at most 2000 pixels a side: the map around the paths, the odometry, truth and
+/// estimated path, the last particle cloud, start and end, a legend and a scale bar. Throws Error{output}
+/// likewise; a report without a map and without a path gives Error{output} as well.
+void write_picture(const std::string& path, const RunReport& report);
+
+}  // namespace parloc

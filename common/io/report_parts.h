@@ -1,0 +1,38 @@
+// The pieces that write_report() puts together.
+#pragma once
+
+#include <cstddef>
+#include <string>
+#include <vector>
+
+#include "common/io/report.h"
+#include "common/io/svg_plot.h"
+
+namespace parloc {
+
+/// The style sheet: light and dark, any width. Classes c1 to c6 are the colours of lines and marks.
+const char* report_style();
+
+/// The script that moves the particle cloud through time; without it the last moment is shown.
+const char* report_script();
+
+/// The map with the paths and, one at a time, the particle clouds; then a close-up of each cloud.
+/// `axis` gives the time of each moment. Empty if there is neither a map nor a path.
+std::string map_figures(const RunReport& report, const TimeAxis& axis);
+
+/// The plots of errors, N_eff, standard deviations and step time, as far as there are data.
+std::string plot_figures(const RunReport& report, const TimeAxis& axis);
+
+/// The rows of the first table: the caller's, then what follows from the data.
+std::vector<Fact> summary_facts(const RunReport& report);
+
+/// At most `most` of `count` indices, evenly spaced, with the first and the last.
+std::vector<std::size_t> evenly_spaced(std::size_t count, std::size_t most);
+
+/// Nearest-rank percentile (share 0 to 1) of the values that can be drawn; NaN if there are none.
+double percentile(std::vector<double> values, double share);
+
+/// The pose at the time closest to `stamp_s`; null if the trajectory is empty.
+const StampedPose* nearest_pose(const Trajectory& trajectory, double stamp_s);
+
+}  // namespace parloc

@@ -1,0 +1,88 @@
+// The fields of one line of text, separated by blanks: fast, locale-free, and with a clear word when one is
+// wrong.
+#pragma once
+
+#include <charconv>
+#include <cmath>
+#include <cstddef>
+#include <string>
+#include <string_view>
+#include <system_error>
+
+namespace parloc {
+
+/// Why a line makes no sense: "expected ..., found ...". Readers catch it and add file and line.
+struct BrokenLine {
+  std::string why;
+};
+
+/// At most 24 characters of a field, safe to print whatever the file held.
+inline std::string printable(std::string_view field) {
+  std::string text(field.substr(0, 24));
+  for (char& c : text) {
+    if (c < ' ' || c > '~') c = '?';
+  }
+  return text + (field.size() > 24 ? "..." : "");
+}
+
+class Fields {
+ public:
+  explicit Fields(std::string_view line) : rest_(line) {}
+
+  bool empty() {
+    skip_blanks();
+    return rest_.empty();
+  }
+
+  /// The next field; empty at the end of the line.
+  std::string_view text() {
+    skip_blanks();
+    const std::string_view field = rest_.substr(0, rest_.find_first_of(" \t"));
+    rest_.remove_prefix(field.size());
+    return field;
+  }
+
+  /// The next field as a number; "nan" and "inf" are numbers. Throws BrokenLine naming `what` was expected.
+  template <class Number>
+  Number number(const char* what) {
+    skip_blanks();
+    const char* const end = rest_.data() + rest_.size();
+    const char* start = rest_.data();
+    if (rest_.size() > 1 && *start == '+' && rest_[1] != '-') ++start;  // from_chars takes no plus sign
+    Number value{};
+    const auto [stop, error] = std::from_chars(start, end, value);
+    if (error != std::errc{} || (stop != end && *stop != ' ' && *stop != '\t')) fail(what);
+    rest_.remove_prefix(static_cast<std::size_t>(stop - rest_.data()));
+    return value;
+  }
+
+  /// A finite number of at most `limit` in size.
+  double bounded(const char* what, double limit) {
+    const std::string_view before = rest_;
+    const double value = number<double>(what);
+    if (!(std::fabs(value) <= limit)) {
+      rest_ = before;
+      fail(what);
+    }
+    return value;
+  }
+
+  [[noreturn]] void fail(const char* what) {
+    const std::string_view found = text();
+    throw BrokenLine{std::string("expected ") + what + ", found " +
+                     (found.empty() ? std::string("the end of the line") : "'" + printable(found) + "'")};
+  }
+
+  std::size_t bytes_left() const { return rest_.size(); }
+
+ private:
+  void skip_blanks() {
+    std::size_t i = 0;
+    while (i < rest_.size() && (rest_[i] == ' ' || rest_[i] == '\t')) ++i;
+    rest_.remove_prefix(i);
+  }
+
+  std::string_view rest_;
+};
+
+}  // namespace parloc

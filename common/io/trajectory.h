@@ -1,0 +1,25 @@
+// Trajectories in TUM format: "timestamp x y z qx qy qz qw" per line, # comments.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "common/math/pose.h"
+
+namespace parloc {
+
+struct StampedPose {
+  double stamp_s = 0.0;
+  Pose pose;
+};
+using Trajectory = std::vector<StampedPose>;  ///< In file order; stamps may run backwards.
+
+/// Throws Error{input} with file:line for an unreadable file, a line that is not 8 numbers, a quaternion far from
+/// unit length, or a file without a pose.
+Trajectory read_tum(const std::string& path);
+Trajectory tum_from_text(const std::string& text, const std::string& name);
+
+/// Stamps with 6 decimals, one row per pose, written to a temporary file that is renamed. Throws Error{output}.
+void write_tum(const std::string& path, const Trajectory& trajectory);
+
+}  // namespace parloc

@@ -1,0 +1,90 @@
+// float64 functions with the same bits everywhere, for what the host computes per step and the device once per
+// estimate. fdlibm's polynomials; sin/cos reduced by fma, good to 1 ulp for |x| < 1e5; atan2 under 1 ulp.
+#pragma once
+
+#include "common/math/host_device.h"
+
+namespace parloc {
+
+constexpr double kPi = 3.14159265358979323846;
+
+PARLOC_HD double fused64(double a, double b, double c) { return __builtin_fma(a, b, c); }
+
+struct SinCos64 {
+  double sin;
+  double cos;
+};
+
+PARLOC_HD SinCos64 portable_sincos64(double x) {
+  const double k = __builtin_rint(x * 0.63661977236758134308);
+  double r = fused64(-k, 1.57079632679489655800e+00, x);
+  r = fused64(-k, 6.12323399573676603587e-17, r);
+  const double z = r * r;
+  double ps = 1.58969099521155010221e-10;
+  ps = fused64(ps, z, -2.50507602534068634195e-08);
+  ps = fused64(ps, z, 2.75573137070700676789e-06);
+  ps = fused64(ps, z, -1.98412698298579493134e-04);
+  ps = fused64(ps, z, 8.33333333332248946124e-03);
+  ps = fused64(ps, z, -1.66666666666666324348e-01);
+  const double s = fused64(ps * z, r, r);
+  double pc = -1.13596475577881948265e-11;
+  pc = fused64(pc, z, 2.08757232129817482790e-09);
+  pc = fused64(pc, z, -2.75573143513906633035e-07);
+  pc = fused64(pc, z, 2.48015872894767294178e-05);
+  pc = fused64(pc, z, -1.38888888888741095749e-03);
+  pc = fused64(pc, z, 4.16666666666666019037e-02);
+  const double c = fused64(pc * z, z, fused64(-0.5, z, 1.0));
+  const long long q = static_cast<long long>(k);
+  const double s0 = (q & 1) != 0 ? c : s;
+  const double c0 = (q & 1) != 0 ? s : c;
+  return {(q & 2) != 0 ? -s0 : s0, ((q + 1) & 2) != 0 ? -c0 : c0};
+}
+
+/// atan of t in [0, 1].
+PARLOC_HD double portable_atan_unit64(double t) {
+  // Reduce by atan(1/2) or atan(1), as fdlibm does, so that the series sees |t| <= 7/16.
+  double offset = 0.0;
+  if (t > 0.6875) {
+    t = (t - 1.0) / (t + 1.0);
+    offset = 7.85398163397448278999e-01;
+  } else if (t > 0.4375) {
+    t = (2.0 * t - 1.0) / (2.0 + t);
+    offset = 4.63647609000806093515e-01;
+  }
+  const double z = t * t;
+  double p = 1.62858201153657823623e-02;
+  p = fused64(p, z, -3.65315727442169155270e-02);
+  p = fused64(p, z, 4.97687799461593236017e-02);
+  p = fused64(p, z, -5.83357013379057348645e-02);
+  p = fused64(p, z, 6.66107313738753120669e-02);
+  p = fused64(p, z, -7.69187620504482999495e-02);
+  p = fused64(p, z, 9.09088713343650656196e-02);
+  p = fused64(p, z, -1.11111104054623557880e-01);
+  p = fused64(p, z, 1.42857142725034663711e-01);
+  p = fused64(p, z, -1.99999999998764832476e-01);
+  p = fused64(p, z, 3.33333333333329318027e-01);
+  return offset + fused64(-(p * z), t, t);
+}
+
+/// Angle of (x, y) in [-pi, pi]; (0, 0) gives 0.
+PARLOC_HD double portable_atan2_64(double y, double x) {
+  const double ax = __builtin_fabs(x);
+  const double ay = __builtin_fabs(y);
+  const double hi = ax > ay ? ax : ay;
+  const double lo = ax > ay ? ay : ax;
+  if (hi == 0.0) return 0.0;
+  double a = portable_atan_unit64(lo / hi);
+  if (ay > ax) a = 1.57079632679489661923 - a;
+  if (x < 0.0) a = kPi - a;
+  return y < 0.0 ? -a : a;
+}
+
+/// Wraps an angle into [-pi, pi) (SPEC 0.1).
+PARLOC_HD double wrap64(double a) {
+  double r = a - 2.0 * kPi * __builtin_floor((a + kPi) / (2.0 * kPi));
+  if (r >= kPi) r -= 2.0 * kPi;
+  if (r < -kPi) r += 2.0 * kPi;
+  return r;
+}
+
+}  // namespace parloc

@@ -1,0 +1,23 @@
+// Planar poses in float64: what the host computes with and what users see.
+#pragma once
+
+namespace parloc {
+
+/// A pose in the plane, or the rigid transform T_parent_child that it stands for.
+struct Pose {
+  double x_m = 0.0;
+  double y_m = 0.0;
+  double theta_rad = 0.0;  ///< Counter-clockwise, 0 along +x, in [-pi, pi).
+};
+
+/// a (+) b: pose b, given in the frame of a, expressed in the parent frame of a (SPEC 0.1).
+/// Deterministic on every machine: uses parloc's own sine and cosine.
+Pose compose(const Pose& a, const Pose& b);
+
+/// a (-) b: pose a seen from b (SPEC 0.1).
+Pose relative(const Pose& a, const Pose& b);
+
+/// compose(inverse(a), a) is the identity.
+Pose inverse(const Pose& a);
+
+}  // namespace parloc

@@ -1,0 +1,13 @@
+// Everything that parloc offers to other programs: #include <parloc/parloc.h> (docs/library.md).
+#pragma once
+
+#include "common/error.h"
+#include "common/eval/metrics.h"
+#include "common/filter/config.h"
+#include "common/filter/particle_filter.h"
+#include "common/io/config.h"
+#include "common/io/log.h"
+#include "common/io/trajectory.h"
+#include "common/map/grid_map.h"
+#include "common/map/map_reader.h"
+#include "common/math/pose.h"

@@ -1,0 +1,180 @@
+#include "common/filter/backend.h"
+
+#include <fmt/format.h>
+#include <omp.h>
+
+#include <bit>
+#include <fstream>
+
+#include "common/filter/bins.h"
+#include "common/map/skip_field.h"
+#include "cpu/distance_field.h"
+#include "cpu/stages.h"
+
+namespace parloc {
+namespace {
+
+/// Poses and log-weights in one space.
+struct ParticleBuffer {
+  std::vector<float> x, y, theta, log_weight;
+  explicit ParticleBuffer(std::size_t n) : x(n), y(n), theta(n), log_weight(n) {}
+  Particles view() { return {x.data(), y.data(), theta.data(), log_weight.data(), x.size()}; }
+};
+
+std::vector<std::uint8_t> blocking_cells(const GridMap& map, bool unknown_blocks) {
+  std::vector<std::uint8_t> blocks(map.size());
+  for (std::size_t c = 0; c < blocks.size(); ++c)
+    blocks[c] = map.cells[c] == Cell::occupied || (unknown_blocks && map.cells[c] == Cell::unknown) ? 1 : 0;
+  return blocks;
+}
+
+std::vector<std::uint8_t> occupied_cells(const GridMap& map) { return blocking_cells(map, false); }
+
+class CpuBackend final : public Backend {
+ public:
+  explicit CpuBackend(const BackendConfig& config)
+      : config_(config),
+        now_(static_cast<std::size_t>(config.particles)),
+        other_(static_cast<std::size_t>(config.particles)),
+        weight_(now_.x.size(), 1),
+        cumulative_(now_.x.size()),
+        ancestor_(now_.x.size()),
+        bin_capacity_(std::bit_ceil(static_cast<std::uint32_t>(2 * config.particles))),
+        bin_key_(bin_capacity_),
+        bin_weight_(bin_capacity_),
+        cluster_weight_(bin_capacity_),
+        bin_parent_(bin_capacity_),
+        bin_slot_(now_.x.size()) {
+    workers_.threads = config.threads > 0 ? config.threads : omp_get_num_procs();
+    if (config.resample.scheme == ResampleScheme::residual) {
+      offspring_sum_.resize(now_.x.size());
+      remainder_sum_.resize(now_.x.size());
+    }
+  }
+
+  std::string name() const override {
+    return fmt::format("cpu ({}, {} thread{})", cpu::simd_name(cpu::simd_level()), workers_.threads,
+                       workers_.threads == 1 ? "" : "s");
+  }
+
+  void set_map(const GridMap& map) override {
+    map_ = map;
+    if (config_.sensor.model == SensorModel::likelihood_field) {
+      const std::vector<std::uint8_t> occupied = occupied_cells(map);
+      squared_distance_ = cpu::squared_distance_field(occupied.data(), map.width, map.height, workers_.threads);
+    } else {
+      const std::vector<std::uint8_t> blocks = blocking_cells(map, config_.sensor.unknown_blocks);
+      skip_ = skip_field(blocks.data(), map.width, map.height);
+    }
+    map_.cells.clear();
+    map_.cells.shrink_to_fit();
+  }
+
+  void set_range_max(double range_max_m) override {
+    if (config_.sensor.model != SensorModel::likelihood_field) return;
+    field_ = likelihood_table(squared_distance_, map_, range_max_m, config_.sensor);
+  }
+
+  void upload(const ParticleSet& p) override {
+    now_.x = p.x;
+    now_.y = p.y;
+    now_.theta = p.theta;
+    now_.log_weight = p.log_weight;
+  }
+  ParticleSet download() const override { return {now_.x, now_.y, now_.theta, now_.log_weight}; }
+
+  void predict(const MotionStep& motion, RandomKey key) override { cpu::predict({now_.view(), motion, key}, workers_); }
+  void set_scan(const BeamTable& beams) override { beams_ = beams; }
+
+  std::vector<float> ray_trace() override {
+    std::vector<float> expected_m(now_.x.size() * beams_.count);
+    RayTraceArgs args = ray_args();
+    args.expected_m = expected_m.data();
+    cpu::ray_trace(args, workers_);
+    return expected_m;
+  }
+
+  void weight(bool fused) override {
+    const RayTraceArgs rays = ray_args();
+    WeightArgs a{rays.particles, rays.beams, config_.sensor.model, static_cast<float>(config_.sensor.tempering),
+                 rays.map, rays.caster, rays.fixed_step_cells, bind_gaussian(config_.sensor),
+                 bind_censored(config_.sensor, beams_.range_max_m), field_view(), config_.sensor.lookup, nullptr};
+    if (!fused && a.model != SensorModel::likelihood_field) {
+      expected_m_ = ray_trace();
+      a.expected_m = expected_m_.data();
+    }
+    cpu::weight(a, workers_);
+  }
+
+  void normalise_scan() override {
+    cpu::normalise_scan({now_.view(), weights_view(), config_.resample.threshold, config_.resample.threshold >= 1.0, &state_},
+                        workers_);
+  }
+
+  void estimate() override { cpu::estimate(now_.view(), weights_view(), bins_view(), &state_, workers_); }
+
+  void resample(RandomKey key) override {
+    cpu::resample({now_.view(), other_.view(), weights_view(), config_.resample.scheme, key, &state_, ancestor_.data(),
+                   offspring_sum_.data(), remainder_sum_.data()},
+                  workers_);
+    std::swap(now_, other_);
+  }
+
+  StepState finish() override { return state_; }
+  std::vector<std::uint64_t> weights() const override { return weight_; }
+  std::vector<std::uint64_t> cumulative() const override { return cumulative_; }
+  std::vector<std::uint32_t> ancestors() const override { return ancestor_; }
+
+ private:
+  RayTraceArgs ray_args() {
+    const std::int32_t stride = map_.width + 2;
+    const RayMap map{skip_.empty() ? nullptr : skip_.data() + stride + 1, map_.width, map_.height, stride,
+                     static_cast<float>(map_.resolution_m), static_cast<float>(1.0 / map_.resolution_m)};
+    const Beams beams{beams_.direction_x.data(), beams_.direction_y.data(), beams_.range_m.data(),
+                      beams_.short_density.data(), beams_.end_x.data(), beams_.end_y.data(), beams_.count, beams_.hits,
+                      beams_.range_max_m, beams_.sensor_x, beams_.sensor_y};
+    return {now_.view(), map, beams, config_.sensor.caster, static_cast<float>(config_.sensor.fixed_step_cells), nullptr};
+  }
+  LikelihoodField field_view() const {
+    const std::int32_t stride = map_.width + 2;
+    return {field_.empty() ? nullptr : field_.data() + stride + 1, map_.width, map_.height, stride};
+  }
+  Weights weights_view() { return {weight_.data(), cumulative_.data(), weight_.size()}; }
+  BinTable bins_view() {
+    return {bin_key_.data(), bin_weight_.data(), cluster_weight_.data(), bin_parent_.data(), bin_slot_.data(), bin_capacity_};
+  }
+
+  BackendConfig config_;
+  cpu::Workers workers_;
+  GridMap map_;  // without its cells
+  std::vector<std::uint8_t> skip_;
+  std::vector<std::uint32_t> squared_distance_;
+  std::vector<float> field_;
+  BeamTable beams_;
+  ParticleBuffer now_, other_;
+  std::vector<std::uint64_t> weight_, cumulative_;
+  std::vector<std::uint32_t> ancestor_;
+  std::uint32_t bin_capacity_;
+  std::vector<std::uint64_t> bin_key_, bin_weight_, cluster_weight_;
+  std::vector<std::uint32_t> bin_parent_, bin_slot_;
+  std::vector<std::uint64_t> offspring_sum_, remainder_sum_;  // residual scheme only
+  std::vector<float> expected_m_;                              // unfused reference only
+  StepState state_;
+};
+
+}  // namespace
+
+std::unique_ptr<Backend> make_cpu_backend(const BackendConfig& config) { return std::make_unique<CpuBackend>(config); }
+
+std::string describe_cpu() {
+  std::string model = "unknown processor";
+  std::ifstream info("/proc/cpuinfo");
+  for (std::string line; std::getline(info, line);)
+    if (line.rfind("model name", 0) == 0 && line.find(':') != std::string::npos) {
+      model = line.substr(line.find(':') + 2);
+      break;
+    }
+  return fmt::format("cpu: {}, {} cores, using {}", model, omp_get_num_procs(), cpu::simd_name(cpu::simd_level()));
+}
+
+}  // namespace parloc

@@ -1,0 +1,73 @@
+// The one way that the CPU backend loops: contiguous blocks on OpenMP threads, each in a known floating-point
+// environment and compiled for the best instruction set.
+#pragma once
+
+#include <omp.h>
+
+#include <cstddef>
+#include <cstdint>
+#include <vector>
+
+#if defined(__x86_64__)
+#include <xmmintrin.h>
+#endif
+
+#include "cpu/simd.h"
+
+namespace parloc::cpu {
+
+/// How many threads a stage may use, and scratch memory that keeps its capacity: no allocation once it has grown.
+struct Workers {
+  int threads = 1;
+  std::vector<double> sums;
+  std::vector<std::uint64_t> offsets;
+};
+
+/// A loaded library may have set flush-to-zero or another rounding mode: strict arithmetic for this scope.
+class StrictFloat {
+ public:
+#if defined(__x86_64__)
+  StrictFloat() : saved_(_mm_getcsr()) { _mm_setcsr(0x1f80); }
+  ~StrictFloat() { _mm_setcsr(saved_); }
+
+ private:
+  unsigned saved_;
+#else
+  StrictFloat() {}
+#endif
+};
+
+/// Particles below which a cheap loop stays on one thread: waking a team costs some microseconds, and milliseconds on
+/// a machine that is busy with something else.
+constexpr std::size_t kSmallLoop = 8192;
+
+/// loop(begin, end) over [0, count) in at most `threads` contiguous blocks, whose edges are multiples of `grain`.
+/// `loop` is a lambda marked PARLOC_SIMD_LOOP that must not throw.
+template <class Loop>
+void parallel_blocks(std::size_t count, int threads, std::size_t grain, const Loop& loop) {
+  const std::size_t grains = (count + grain - 1) / grain;
+  const std::size_t wanted = static_cast<std::size_t>(threads) < grains ? static_cast<std::size_t>(threads) : grains;
+  if (wanted <= 1) {
+    const StrictFloat strict;
+    if (count > 0) run_simd([&]() PARLOC_SIMD_LOOP { loop(std::size_t{0}, count); });
+    return;
+  }
+  const int team_size = static_cast<int>(wanted);
+#pragma omp parallel num_threads(team_size)
+  {
+    const StrictFloat strict;
+    const std::size_t team = static_cast<std::size_t>(omp_get_num_threads());
+    const std::size_t me = static_cast<std::size_t>(omp_get_thread_num());
+    const std::size_t begin = grains * me / team * grain;
+    const std::size_t limit = grains * (me + 1) / team * grain;
+    const std::size_t end = limit < count ? limit : count;
+    if (begin < end) run_simd([&]() PARLOC_SIMD_LOOP { loop(begin, end); });
+  }
+}
+
+template <class Loop>
+void parallel_for(std::size_t count, int threads, const Loop& loop) {
+  parallel_blocks(count, count < kSmallLoop ? 1 : threads, 64, loop);
+}
+
+}  // namespace parloc::cpu

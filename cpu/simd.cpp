@@ -1,0 +1,51 @@
+#include "cpu/simd.h"
+
+#include <algorithm>
+#include <cstdlib>
+#include <cstring>
+
+namespace parloc::cpu {
+namespace {
+
+Simd best_of_this_cpu() {
+#if defined(__x86_64__)
+  __builtin_cpu_init();
+  const bool avx2 = __builtin_cpu_supports("avx2") && __builtin_cpu_supports("fma") && __builtin_cpu_supports("bmi2");
+  const bool avx512 = avx2 && __builtin_cpu_supports("avx512f") && __builtin_cpu_supports("avx512bw") &&
+                      __builtin_cpu_supports("avx512dq") && __builtin_cpu_supports("avx512vl") &&
+                      __builtin_cpu_supports("avx512cd");
+  if (avx512) return Simd::avx512;
+  if (avx2) return Simd::avx2;
+#endif
+  return Simd::baseline;
+}
+
+Simd first_level() {
+  const Simd best = best_of_this_cpu();
+  const char* wish = std::getenv("PARLOC_SIMD");
+  if (wish == nullptr) return best;
+  if (std::strcmp(wish, "baseline") == 0) return Simd::baseline;
+  if (std::strcmp(wish, "avx2") == 0) return std::min(best, Simd::avx2);
+  return best;
+}
+
+Simd& level() {
+  static Simd current = first_level();
+  return current;
+}
+
+}  // namespace
+
+Simd simd_level() { return level(); }
+void limit_simd(Simd most) { level() = std::min(most, best_of_this_cpu()); }
+
+const char* simd_name(Simd l) {
+  switch (l) {
+    case Simd::avx512: return "AVX-512";
+    case Simd::avx2: return "AVX2";
+    case Simd::baseline: break;
+  }
+  return "baseline";
+}
+
+}  // namespace parloc::cpu

@@ -1,0 +1,21 @@
+// The six stages as OpenMP loops; contract in common/filter/stages.h. `workers` has at least one thread.
+#pragma once
+
+#include "common/filter/bins.h"
+#include "common/filter/stages.h"
+#include "cpu/parallel.h"
+
+namespace parloc::cpu {
+
+void predict(const PredictArgs& args, Workers& workers);
+void ray_trace(const RayTraceArgs& args, Workers& workers);
+void weight(const WeightArgs& args, Workers& workers);
+void normalise_scan(const NormaliseArgs& args, Workers& workers);
+void estimate(const Particles& particles, const Weights& weights, const BinTable& bins, StepState* state,
+              Workers& workers);
+void resample(const ResampleArgs& args, Workers& workers);
+
+/// Expected ranges of one particle, [beams.count]: the inner loop of ray_trace and of the fused weight.
+void trace_particle(const RayTraceArgs& args, std::size_t particle, float* expected_m);
+
+}  // namespace parloc::cpu

@@ -1,0 +1,60 @@
+#!/usr/bin/env bash
+# The rules of the layout (docs/architecture.md), read from the sources. Usage: structure_test.sh [C++ compiler]
+set -euo pipefail
+cd "$(dirname "$0")/../.."
+compiler=${1:-c++}
+work=$(mktemp -d)
+trap 'rm -rf "$work"' EXIT
+violations=$work/violations
+
+# fail <rule>: every line of standard input is a violation of the rule.
+fail() { sed "s|^|$1: |" >> "$violations"; }
+
+# includes <folder>...: "file:line: included path" for every #include there.
+includes() {
+  grep -rnE --include='*.h' --include='*.cpp' --include='*.cu' --include='*.cuh' \
+    '^[[:space:]]*#[[:space:]]*include' "$@" | sed -E 's/#[[:space:]]*include[[:space:]]*[<"]([^>"]+)[>"].*/ \1/' || true
+}
+
+# ---- dependencies: tools, tests -> {cpu, cuda} -> common -----------------------------------------------------------
+ours='(common|cpu|cuda|tools|tests)/'
+includes common | grep -E " (cpu|cuda|tools|tests)/" | fail "common may include only common" || true
+includes cpu | grep -E " (cuda|tools|tests)/" | fail "cpu may include only cpu and common" || true
+includes cuda | grep -E " (cpu|tools|tests)/" | fail "cuda may include only cuda and common" || true
+includes common | grep -E ' (omp\.h|cuda[a-z_]*\.h|curand.*|cub/.*|thrust/.*|cooperative_groups.*)$' |
+  fail "common has no OpenMP and no CUDA runtime" || true
+grep -rnE '^[[:space:]]*#[[:space:]]*pragma[[:space:]]+omp' common | fail "common has no OpenMP" || true
+includes cpu | grep -E ' (cuda[a-z_]*\.h|cub/.*|thrust/.*)$' | fail "cpu has no CUDA" || true
+includes cuda | grep -E ' omp\.h$' | fail "cuda has no OpenMP" || true
+# Paths are written from the repository's root, so that this very test can read them.
+grep -rnE --include='*.h' --include='*.cpp' --include='*.cu' --include='*.cuh' '^[[:space:]]*#[[:space:]]*include[[:space:]]*"' \
+  common cpu cuda tools tests/unit tests/system tests/fuzz |
+  grep -vE "include[[:space:]]*\"$ours" | fail "project headers are included by their path from the root" || true
+
+# ---- twins ------------------------------------------------------------------------------------------------------------
+for stage in predict ray_trace weight normalise_scan estimate resample; do
+  for twin in cpu/$stage.cpp cuda/$stage.cu; do
+    [[ -s $twin ]] || echo "$twin is missing" | fail "twin files have twin names"
+  done
+done
+
+# ---- every header compiles alone ------------------------------------------------------------------------------------
+check_header() {
+  printf '#include "%s"\n' "$1" > "$2/$(tr / _ <<< "$1").cpp"
+  "$3" -std=c++20 -fsyntax-only -fopenmp -w -I. "$2/$(tr / _ <<< "$1").cpp" > /dev/null 2>&1 || echo "$1"
+}
+export -f check_header
+find common cpu -name '*.h' | sort | xargs -P "$(nproc)" -I{} bash -c 'check_header "$@"' _ {} "$work" "$compiler" |
+  fail "a header compiles alone" || true
+
+# ---- no path of the machine that a file was written on ----------------------------------------------------------------
+files() { git ls-files --cached --others --exclude-standard 2> /dev/null || find . -type f -not -path './build/*' -not -path './.git/*'; }
+files | tr '\n' '\0' | xargs -0 grep -nIE '(^|[^A-Za-z0-9_.])/(work|root|home)/' 2> /dev/null |
+  fail "no file names this machine's paths" || true
+
+if [[ -s $violations ]]; then
+  cat "$violations"
+  echo "$(wc -l < "$violations") violations"
+  exit 1
+fi
+echo "structure: $(find common cpu -name '*.h' | wc -l) headers, $(includes common cpu cuda tools tests | wc -l) includes checked"

@@ -1,0 +1,247 @@
+// The configuration: strict reading with one clear message per mistake, and printing that reads back.
+#include "common/io/config.h"
+
+#include <gtest/gtest.h>
+
+#include <cstdio>
+#include <fstream>
+#include <functional>
+#include <limits>
+#include <string>
+#include <vector>
+
+#include "common/error.h"
+#include "common/filter/config_fields.h"
+#include "common/io/nearest_name.h"
+
+namespace parloc {
+namespace {
+
+/// The message of the configuration error that `action` throws; empty (and a failure) if it throws none.
+std::string message_of(const std::function<void()>& action) {
+  try {
+    action();
+  } catch (const Error& e) {
+    EXPECT_EQ(e.kind(), ErrorKind::config) << e.what();
+    return e.what();
+  }
+  ADD_FAILURE() << "no error";
+  return {};
+}
+std::string message_for(const std::string& yaml) {
+  return message_of([&] { config_from_text(yaml, "c.yaml"); });
+}
+
+struct Mistake {
+  const char* yaml;
+  const char* message;
+};
+
+TEST(Config, EachMistakeHasOneClearLine) {
+  const std::vector<Mistake> mistakes{
+      // Misspelt and misplaced keys.
+      {"particels: 5\n", "c.yaml:1: unknown key 'particels'; the nearest valid key is 'particles'"},
+      {"\nsensor:\n  sigm_hit: 0.1\n",
+       "c.yaml:3: unknown key 'sensor.sigm_hit'; the nearest valid key is 'sensor.sigma_hit'"},
+      {"z_hit: 0.9\n", "c.yaml:1: unknown key 'z_hit'; the nearest valid key is 'sensor.z_hit'"},
+      {"sensors:\n  z_hit: 1\n", "c.yaml:1: unknown key 'sensors'; the nearest valid key is 'sensor'"},
+      {"sensor:\n  particles: 3\n",
+       "c.yaml:2: unknown key 'sensor.particles'; the nearest valid key is 'particles'"},
+      {"mdel: [1, 2]\n", "c.yaml:1: unknown key 'mdel'; the nearest valid key is 'sensor.model'"},
+      {"\"\": 3\n", "c.yaml:1: unknown key ''; the nearest valid key is 'seed'"},
+      // Duplicates.
+      {"seed: 1\nparticles: 2\nseed: 3\n", "c.yaml:3: duplicate key 'seed', first on line 1"},
+      {"scan: {max_beams: 9, max_beams: 9}\n", "c.yaml:1: duplicate key 'scan.max_beams', first on line 1"},
+      {"scan:\n  max_beams: 9\nscan:\n  min_beams: 2\n", "c.yaml:3: duplicate group 'scan'"},
+      // Types.
+      {"initial_sigma_xy: abc\n", "c.yaml:1: initial_sigma_xy: expected a number, got 'abc'"},
+      {"initial_sigma_xy: 0.1m\n", "c.yaml:1: initial_sigma_xy: expected a number, got '0.1m'"},
+      {"initial_sigma_xy: .inf\n", "c.yaml:1: initial_sigma_xy: expected a number, got '.inf'"},
+      {"initial_sigma_xy: nan\n", "c.yaml:1: initial_sigma_xy: expected a finite number, got 'nan'"},
+      {"initial_sigma_xy: 0,1\n", "c.yaml:1: initial_sigma_xy: expected a number, got '0,1'"},
+      {"initial_sigma_xy: +-1\n", "c.yaml:1: initial_sigma_xy: expected a number, got '+-1'"},
+      {"particles: 2000.0\n", "c.yaml:1: particles: expected a whole number, got '2000.0'"},
+      {"particles: \"2000\"\n", "c.yaml:1: particles: expected a whole number, got the text \"2000\""},
+      {"particles:\n", "c.yaml:1: particles: expected a whole number, got nothing"},
+      {"particles: null\n", "c.yaml:1: particles: expected a whole number, got nothing"},
+      {"particles: [1, 2]\n", "c.yaml:1: expected a single value for 'particles', got a list"},
+      {"particles:\n  seed: 1\n", "c.yaml:2: expected a single value for 'particles', got a group"},
+      {"motion:\n  symmetric: yes\n", "c.yaml:2: motion.symmetric: expected true or false, got 'yes'"},
+      {"motion:\n  form: gauss\n", "c.yaml:2: motion.form: expected seed or thrun, got 'gauss'"},
+      {"sensor:\n  caster: DDA\n", "c.yaml:2: sensor.caster: expected skip, dda or fixed_step, got 'DDA'"},
+      {"motion: 3\n",
+       "c.yaml:1: 'motion' is a group: expected indented 'key: value' lines below it, got '3'"},
+      {"- particles\n", "c.yaml:1: expected lines of 'key: value', got a list"},
+      {"particles 5\n", "c.yaml:1: expected lines of 'key: value', got 'particles 5'"},
+      // Values.
+      {"particles: 0\n", "c.yaml:1: particles must be 1 to 16777216, got 0"},
+      {"particles: 16777217\n", "c.yaml:1: particles must be 1 to 16777216, got 16777217"},
+      {"particles: 99999999999999999999\n",
+       "c.yaml:1: particles must be 1 to 16777216, got 99999999999999999999"},
+      {"seed: -1\n", "c.yaml:1: seed must be 0 to 18446744073709551615, got -1"},
+      {"sensor:\n  tempering: 0\n", "c.yaml:2: sensor.tempering must be above 0 and at most 1, got 0"},
+      {"motion:\n  form: seed\n  alpha3: -0.1\n", "c.yaml:3: motion.alpha3 must be 0 to 100, got -0.1"},
+      {"scan:\n  laser_max_range: 1e999\n",
+       "c.yaml:2: scan.laser_max_range must be above 0 and at most 1000, got 1e999"},
+      // Rules between settings.
+      {"motion:\n  alpha1: 0.2\n",
+       "c.yaml:2: motion.alpha1 needs motion.form beside it: seed (sigma linear in the motion) or thrun "
+       "(variance "
+       "quadratic, as AMCL)"},
+      {"seed: 2\nsensor:\n  z_hit: 0.5\n",
+       "c.yaml:3: sensor.z_hit + z_short + z_max + z_rand must be 1, got 0.6 (0.5 + 0 + 0 + 0.1)"},
+      {"scan:\n  min_beams: 200\n", "c.yaml:2: scan.min_beams (200) must not exceed scan.max_beams (100)"},
+      {"scan:\n  laser_max_range: 0.05\n",
+       "c.yaml: scan.laser_min_range (0.1) must be below scan.laser_max_range (0.05)"},
+      {"sensor:\n  model: beam\n",
+       "c.yaml: sensor.z_max must be above 0 with sensor.model beam, else a single beam without return can "
+       "rule out "
+       "every particle"},
+      {"sensor:\n  z_hit: 1.0\n  z_rand: 0.0\n",
+       "c.yaml:3: sensor.z_rand must be above 0, else a single beam can rule out every particle"},
+      // YAML that a configuration has no use for.
+      {"seed: &a 1\n", "c.yaml:1: anchors ('&name') are not allowed"},
+      {"seed: 1\n---\nseed: 2\n", "c.yaml:2: expected one document, found a second one ('---')"},
+      {"seed: !!int 1\n", "c.yaml:1: type tags are not allowed, got 'tag:yaml.org,2002:int'"},
+      {"? [1, 2]\n: 3\n", "c.yaml:1: expected lines of 'key: value', got a list"},
+  };
+  for (const Mistake& mistake : mistakes)
+    EXPECT_EQ(message_for(mistake.yaml), mistake.message) << mistake.yaml;
+}
+
+TEST(Config, HostileTextIsAnError) {
+  EXPECT_EQ(message_for(std::string("seed: 1\n\0", 9)), "c.yaml:2: expected text, found the byte 0x00");
+  EXPECT_EQ(message_for(std::string(1 << 20, ' ')), "c.yaml: expected a configuration of at most 64 KiB");
+  EXPECT_NE(message_for("seed: [1, 2\n").find("c.yaml:"), std::string::npos);
+  EXPECT_NE(message_for("seed: 1\n\tparticles: 2\n").find("c.yaml:"), std::string::npos);
+  for (const char* deep : {"[", "{a: ", "- ", "? ", "seed: [", "&a "}) {  // 60 KiB of nesting
+    std::string text;
+    while (text.size() < 60000) text += deep;
+    EXPECT_FALSE(message_for(text).empty());
+  }
+  std::string bomb = "a: &a [x, x, x]\n";
+  for (char c = 'b'; c < 'z'; ++c) {
+    bomb += std::string(1, c) + ": &" + c + " [*" + static_cast<char>(c - 1) + ", *" +
+            static_cast<char>(c - 1) + "]\n";
+  }
+  EXPECT_FALSE(message_for(bomb).empty());
+  // A hostile key cannot make a message of many lines.
+  const std::string message = message_for("\"a\\nb\": 1\n");
+  EXPECT_EQ(message.find('\n'), std::string::npos) << message;
+}
+
+TEST(Config, NoKeysAreDefaults) {
+  const std::string defaults = config_to_yaml(FilterConfig{});
+  for (const char* text : {"", "\n", "# only a comment\n", "---\n", "motion:\nscan:\n", "{}", "~\n"}) {
+    EXPECT_EQ(config_to_yaml(config_from_text(text, "c.yaml")), defaults) << text;
+  }
+}
+
+TEST(Config, ValuesArrive) {
+  const FilterConfig c = config_from_text(
+      "particles: 16777216\nseed: 18446744073709551615\nbackend: cuda\nupdate_min_d: +1e-1\n"
+      "motion: {form: thrun, alpha1: .25, symmetric: false}\n"
+      "sensor:\n  model: beam\n  z_hit: 0.7\n  z_short: 0.1\n  z_max: 0.1\n  z_rand: 0.1\n"
+      "estimate:\n  mode: \"mean\"\n",
+      "c.yaml");
+  EXPECT_EQ(c.particles, 16777216);
+  EXPECT_EQ(c.seed, std::numeric_limits<std::uint64_t>::max());
+  EXPECT_EQ(c.backend, BackendChoice::cuda);
+  EXPECT_EQ(c.update_min_d, 0.1);
+  EXPECT_EQ(c.motion.form, MotionForm::thrun);
+  EXPECT_EQ(c.motion.alpha1, 0.25);
+  EXPECT_FALSE(c.motion.symmetric);
+  EXPECT_EQ(c.sensor.model, SensorModel::beam);
+  EXPECT_EQ(c.sensor.z_short, 0.1);
+  EXPECT_EQ(c.estimate.mode, EstimateMode::mean);
+}
+
+/// Gives every setting a value that is not its default, yet allowed.
+struct Changer {
+  double share = 0.0;
+  template <class Number>
+  void operator()(const Field& field, Number& value, const Limits<Number>& limits) {
+    if (std::string(field.key).rfind("z_", 0) == 0) {
+      value = static_cast<Number>(0.25);  // four shares that sum to 1
+    } else {
+      // Between the default and the lower limit, at a place that needs all 17 digits.
+      value = static_cast<Number>(limits.low + (value - limits.low) / 3);
+      if (value == limits.low) value = limits.high;
+    }
+  }
+  void operator()(const Field&, bool& value) { value = !value; }
+  template <class Enum, std::size_t n>
+  void operator()(const Field&, Enum& value, const std::array<Choice<Enum>, n>& choices) {
+    value = choices.front().value == value ? choices.back().value : choices.front().value;
+  }
+};
+
+TEST(Config, PrintedConfigurationReadsBack) {
+  FilterConfig changed;
+  visit_fields(changed, Changer{});
+  changed.scan.min_beams = 3;
+  changed.scan.laser_min_range = 0.1 / 3;
+  const std::string yaml = config_to_yaml(changed);
+  EXPECT_EQ(config_to_yaml(config_from_text(yaml, "printed")), yaml);
+  // Bit for bit, not only as printed; and every key was really changed and read.
+  const FilterConfig again = config_from_text(yaml, "printed");
+  EXPECT_EQ(again.motion.alpha1, changed.motion.alpha1);
+  EXPECT_EQ(again.scan.laser_min_range, 0.1 / 3);
+  std::size_t settings = 0, differing_lines = 0;
+  visit_fields(changed, [&](const Field&, const auto&...) { ++settings; });
+  const std::string defaults = config_to_yaml(FilterConfig{});
+  for (std::size_t a = 0, b = 0; a < yaml.size() && b < defaults.size();) {
+    const std::size_t a_end = yaml.find('\n', a), b_end = defaults.find('\n', b);
+    differing_lines += yaml.substr(a, a_end - a) != defaults.substr(b, b_end - b);
+    a = a_end + 1;
+    b = b_end + 1;
+  }
+  EXPECT_EQ(differing_lines, settings);
+}
+
+TEST(Config, EveryGroupHasItsHeading) {
+  const FilterConfig config;
+  visit_fields(config, [](const Field& field, const auto&...) {
+    bool known = std::string(field.group).empty();
+    for (const FieldGroup& group : kFieldGroups) known = known || std::string(group.name) == field.group;
+    EXPECT_TRUE(known) << field.group << "." << field.key;
+  });
+}
+
+TEST(Config, ValidateChecksAStructToo) {
+  EXPECT_NO_THROW(validate(FilterConfig{}));
+  FilterConfig config;
+  config.particles = 0;
+  EXPECT_EQ(message_of([&] { validate(config); }), "particles must be 1 to 16777216, got 0");
+  config = {};
+  config.sensor.sigma_hit = std::numeric_limits<double>::quiet_NaN();
+  EXPECT_EQ(message_of([&] { validate(config); }), "sensor.sigma_hit must be 0.001 to 10, got nan");
+  config = {};
+  config.sensor.z_rand = 0.1 + 2e-6;
+  EXPECT_FALSE(message_of([&] { validate(config); }).empty());
+  config.sensor.z_rand = 0.1 + 0.5e-6;
+  EXPECT_NO_THROW(validate(config));
+  config = {};
+  config.sensor.caster = static_cast<RayCaster>(77);
+  EXPECT_FALSE(message_of([&] { validate(config); }).empty());
+}
+
+TEST(Config, FilesThatCannotBeRead) {
+  EXPECT_EQ(message_of([] { read_config("/nonexistent/c.yaml"); }),
+            "/nonexistent/c.yaml: cannot be opened: No such file or directory");
+  EXPECT_EQ(message_of([] { read_config("/"); }), "/: cannot be read (is it a folder?)");
+  EXPECT_EQ(message_of([] { read_config("/dev/zero"); }),
+            "/dev/zero: expected a configuration of at most 64 KiB");
+}
+
+TEST(EditDistance, CountsLetters) {
+  EXPECT_EQ(edit_distance("", ""), 0u);
+  EXPECT_EQ(edit_distance("", "abc"), 3u);
+  EXPECT_EQ(edit_distance("abc", ""), 3u);
+  EXPECT_EQ(edit_distance("kitten", "sitting"), 3u);
+  EXPECT_EQ(edit_distance("z_hit", "z_hit"), 0u);
+  EXPECT_EQ(edit_distance("particels", "particles"), 2u);  // a swap is two changes
+}
+
+}  // namespace
+}  // namespace parloc

@@ -1,0 +1,191 @@
+// The exact distance field (SPEC 7.1) and the skip field, against brute force.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cstdint>
+#include <cstdlib>
+#include <random>
+#include <vector>
+
+#include "common/error.h"
+#include "common/map/distance_field.h"
+#include "common/map/grid_map.h"
+#include "common/map/skip_field.h"
+#include "cpu/distance_field.h"
+
+namespace parloc {
+namespace {
+
+using Mask = std::vector<std::uint8_t>;
+using Field = std::vector<std::uint32_t>;
+
+struct Map {
+  std::int32_t width, height;
+  Mask mask;
+  std::uint8_t at(std::int32_t i, std::int32_t j) const {
+    return mask[static_cast<std::size_t>(j * width + i)];
+  }
+};
+
+Map random_map(std::int32_t width, std::int32_t height, double density, std::uint32_t seed) {
+  std::mt19937 random(seed);
+  Map map{width, height, Mask(static_cast<std::size_t>(width * height))};
+  for (auto& cell : map.mask) cell = random() < density * 4294967296.0 ? std::uint8_t{7} : std::uint8_t{0};
+  return map;
+}
+
+Field brute_force(const Map& map) {
+  Field field(map.mask.size(), kNoObstacle);
+  for (std::int32_t j = 0; j < map.height; ++j) {
+    for (std::int32_t i = 0; i < map.width; ++i) {
+      std::uint32_t& least = field[static_cast<std::size_t>(j * map.width + i)];
+      for (std::int32_t b = 0; b < map.height; ++b) {
+        for (std::int32_t a = 0; a < map.width; ++a) {
+          if (map.at(a, b) == 0) continue;
+          least = std::min(least, static_cast<std::uint32_t>((a - i) * (a - i) + (b - j) * (b - j)));
+        }
+      }
+    }
+  }
+  return field;
+}
+
+Field field_of(const Map& map, int threads) {
+  return cpu::squared_distance_field(map.mask.data(), map.width, map.height, threads);
+}
+
+/// Sizes around the 64-column strips, thin ones, and densities from nearly empty to nearly full.
+std::vector<Map> random_maps() {
+  std::vector<Map> maps;
+  std::uint32_t seed = 1;
+  const std::vector<std::pair<int, int>> sizes{{37, 53}, {64, 20}, {65, 21}, {130, 9},
+                                               {1, 40},  {40, 1},  {1, 1},   {2, 2}};
+  for (const auto& [width, height] : sizes) {
+    for (const double density : {0.0, 0.002, 0.02, 0.3, 0.98}) {
+      maps.push_back(random_map(width, height, density, seed++));
+    }
+  }
+  return maps;
+}
+
+TEST(DistanceField, TestMapT1) {
+  const GridMap map = grid_from_text(
+      {
+          "##########",  // j = 7
+          "#........#",
+          "#........#",
+          "#.....#..#",
+          "#........#",
+          "#..#.....#",
+          "#........#",
+          "##########",
+      },
+      0.5, {-1.0, -2.0, 0.0});
+  Mask mask;
+  for (const Cell c : map.cells) mask.push_back(c == Cell::occupied ? 1 : 0);
+  const Field expected{
+      0, 0, 0, 0, 0, 0, 0, 0, 0, 0,  // j = 0
+      0, 1, 1, 1, 1, 1, 1, 1, 1, 0,  //
+      0, 1, 1, 0, 1, 4, 4, 4, 1, 0,  //
+      0, 1, 2, 1, 2, 2, 1, 2, 1, 0,  //
+      0, 1, 4, 4, 4, 1, 0, 1, 1, 0,  //
+      0, 1, 4, 4, 4, 2, 1, 2, 1, 0,  //
+      0, 1, 1, 1, 1, 1, 1, 1, 1, 0,  //
+      0, 0, 0, 0, 0, 0, 0, 0, 0, 0,
+  };
+  EXPECT_EQ(cpu::squared_distance_field(mask.data(), map.width, map.height, 1), expected);
+}
+
+TEST(DistanceField, EqualsBruteForce) {
+  for (const Map& map : random_maps()) {
+    EXPECT_EQ(field_of(map, 1), brute_force(map)) << map.width << " x " << map.height;
+  }
+}
+
+TEST(DistanceField, AnyNumberOfThreadsGivesTheSame) {
+  for (const Map& map :
+       {random_map(500, 300, 0.001, 99), random_map(63, 2, 0.1, 98), random_map(1, 1, 1.0, 97)}) {
+    const Field one = field_of(map, 1);
+    EXPECT_EQ(field_of(map, 2), one);
+    EXPECT_EQ(field_of(map, 4), one);
+  }
+}
+
+TEST(DistanceField, WithoutSourcesThereIsNoDistance) {
+  const Map map = random_map(70, 5, 0.0, 1);
+  EXPECT_EQ(field_of(map, 2), Field(350, kNoObstacle));
+}
+
+// The longest sides: every term of the envelope is at its largest, 2 * 32766^2, and must not overflow.
+TEST(DistanceField, TheLongestSidesDoNotOverflow) {
+  const std::uint32_t last = 32766;
+  for (const bool wide : {true, false}) {
+    Mask mask(32767, 0);
+    mask.front() = 1;
+    const Field field = cpu::squared_distance_field(mask.data(), wide ? 32767 : 1, wide ? 1 : 32767, 1);
+    EXPECT_EQ(field.back(), last * last);
+    EXPECT_EQ(field[1], 1u);
+  }
+  // One row at the largest height: sources 32766 cells above at both ends, and one on the row itself.
+  std::vector<std::uint32_t> row(32767, last);
+  row[0] = 0;
+  std::vector<RowParabola> scratch(row.size());
+  row_squared_distances(row.data(), 32767, scratch.data());
+  EXPECT_EQ(row[0], 0u);
+  EXPECT_EQ(row[last], last * last);  // straight up: as near as along the row
+  EXPECT_EQ(row[10000], 10000u * 10000u);
+}
+
+TEST(DistanceField, SizesThatNoMapHasAreRefused) {
+  const Mask mask(4, 0);
+  EXPECT_THROW(cpu::squared_distance_field(mask.data(), 0, 4, 1), Error);
+  EXPECT_THROW(cpu::squared_distance_field(mask.data(), 4, 40000, 1), Error);
+  EXPECT_THROW(cpu::squared_distance_field(mask.data(), 2, 2, 0), Error);
+  EXPECT_THROW(skip_field(mask.data(), 4, 0), Error);
+  EXPECT_THROW(skip_field(mask.data(), 32768, 1), Error);
+}
+
+// ---- skip field
+// -----------------------------------------------------------------------------------------------------
+
+/// The padded array, by definition: the nearest blocking cell in the square norm, or the ring, at most 255.
+Mask brute_force_skip(const Map& map) {
+  const std::int32_t stride = map.width + 2;
+  Mask field(static_cast<std::size_t>(stride * (map.height + 2)) + kSkipFieldTail, 0);
+  for (std::int32_t j = 0; j < map.height; ++j) {
+    for (std::int32_t i = 0; i < map.width; ++i) {
+      std::int32_t least = std::min({i + 1, j + 1, map.width - i, map.height - j, 255});
+      for (std::int32_t b = 0; b < map.height; ++b) {
+        for (std::int32_t a = 0; a < map.width; ++a) {
+          if (map.at(a, b) != 0) least = std::min(least, std::max(std::abs(a - i), std::abs(b - j)));
+        }
+      }
+      field[static_cast<std::size_t>((j + 1) * stride + i + 1)] = static_cast<std::uint8_t>(least);
+    }
+  }
+  return field;
+}
+
+TEST(SkipField, EqualsBruteForceWithItsRingAndTail) {
+  for (const Map& map : random_maps()) {
+    EXPECT_EQ(skip_field(map.mask.data(), map.width, map.height), brute_force_skip(map))
+        << map.width << " x " << map.height;
+  }
+}
+
+TEST(SkipField, IsCappedAt255) {
+  const std::int32_t side = 601;  // its centre is 301 from outside
+  const Mask empty(static_cast<std::size_t>(side * side), 0);
+  const Mask field = skip_field(empty.data(), side, side);
+  const auto at = [&](std::int32_t i, std::int32_t j) {
+    return static_cast<int>(field[static_cast<std::size_t>((j + 1) * (side + 2) + i + 1)]);
+  };
+  EXPECT_EQ(at(300, 300), 255);
+  EXPECT_EQ(at(254, 300), 255);
+  EXPECT_EQ(at(253, 300), 254);
+  EXPECT_EQ(at(300, side - 1), 1);
+  EXPECT_EQ(*std::max_element(field.begin(), field.end()), 255);
+}
+
+}  // namespace
+}  // namespace parloc

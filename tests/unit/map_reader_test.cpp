@@ -1,0 +1,358 @@
+// Maps as a whole: the YAML file, what a pixel becomes in each mode, and writing a map that reads back.
+#include "common/map/map_reader.h"
+
+#include <gtest/gtest.h>
+#include <png.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <cstdlib>
+#include <filesystem>
+#include <fstream>
+#include <functional>
+#include <iterator>
+#include <limits>
+#include <string>
+#include <vector>
+
+#include "common/error.h"
+#include "common/map/map_yaml.h"
+
+namespace parloc {
+namespace {
+
+namespace fs = std::filesystem;
+
+/// The message of the error of kind `kind` that `action` throws; empty (and a failure) if it throws none.
+std::string message_of(ErrorKind kind, const std::function<void()>& action) {
+  try {
+    action();
+  } catch (const Error& e) {
+    EXPECT_EQ(e.kind(), kind) << e.what();
+    return e.what();
+  }
+  ADD_FAILURE() << "no error";
+  return {};
+}
+
+/// A folder that is gone after the test.
+class MapFolder : public ::testing::Test {
+ protected:
+  MapFolder() {
+    const auto* info = ::testing::UnitTest::GetInstance()->current_test_info();
+    folder_ = fs::temp_directory_path() / ("parloc_" + std::to_string(getpid()) + "_" + info->name());
+    fs::create_directories(folder_);
+  }
+  ~MapFolder() override { fs::remove_all(folder_); }
+
+  std::string path(const std::string& name) const { return (folder_ / name).string(); }
+  std::string write(const std::string& name, const std::string& bytes) const {
+    std::ofstream(path(name), std::ios::binary) << bytes;
+    return path(name);
+  }
+  std::string read(const std::string& name) const {
+    std::ifstream file(path(name), std::ios::binary);
+    return {std::istreambuf_iterator<char>(file), std::istreambuf_iterator<char>()};
+  }
+
+  fs::path folder_;
+};
+
+std::string yaml_with(const std::string& mode_and_negate, const std::string& image = "map.pgm",
+                      const std::string& origin = "[-1.5, 2, 0]") {
+  return "image: " + image + "\nresolution: 0.05\norigin: " + origin +
+         "\noccupied_thresh: 0.65\nfree_thresh: 0.196\n" + mode_and_negate;
+}
+
+std::string pgm(int width, int height, const std::vector<int>& values) {
+  std::string bytes = "P5\n" + std::to_string(width) + " " + std::to_string(height) + "\n255\n";
+  for (const int v : values) bytes += static_cast<char>(v);
+  return bytes;
+}
+
+/// '#', '.', '?' per cell, row j = 0 first.
+std::string picture(const GridMap& map) {
+  std::string out;
+  for (const Cell c : map.cells) out += c == Cell::occupied ? '#' : c == Cell::free ? '.' : '?';
+  return out;
+}
+
+// ---- the YAML file
+// --------------------------------------------------------------------------------------------------
+
+TEST(MapYaml, ReadsEveryKey) {
+  const MapYaml y = map_yaml_from_text(
+      "# a map\nresolution: 0.050000\nimage: \"my map.pgm\"\norigin: [-27.2224, +48.5, -4.71238898038469]\n"
+      "negate: 1\noccupied_thresh: .65\nfree_thresh: 0.196\nmode: scale\n",
+      "m.yaml");
+  EXPECT_EQ(y.image, "my map.pgm");
+  EXPECT_EQ(y.image_line, 3u);
+  EXPECT_EQ(y.resolution_m, 0.05);
+  EXPECT_EQ(y.T_map_grid.x_m, -27.2224);
+  EXPECT_EQ(y.T_map_grid.y_m, 48.5);
+  EXPECT_NEAR(y.T_map_grid.theta_rad, 1.5707963267948966, 1e-15);  // wrapped, not resampled
+  EXPECT_TRUE(y.negate);
+  EXPECT_EQ(y.occupied_thresh, 0.65);
+  EXPECT_EQ(y.free_thresh, 0.196);
+  EXPECT_EQ(y.mode, MapMode::scale);
+}
+
+TEST(MapYaml, ModeIsTrinaryUnlessSaid) {
+  EXPECT_EQ(map_yaml_from_text(yaml_with("negate: 0"), "m").mode, MapMode::trinary);
+  EXPECT_EQ(map_yaml_from_text(yaml_with("negate: false\nmode: raw"), "m").mode, MapMode::raw);
+}
+
+struct Mistake {
+  std::string yaml;
+  const char* message;
+};
+
+TEST(MapYaml, EachMistakeHasOneClearLine) {
+  const std::string rest = "origin: [0, 0, 0]\nnegate: 0\noccupied_thresh: 0.65\nfree_thresh: 0.196\n";
+  const std::string all = "image: a.pgm\nresolution: 0.05\n" + rest;
+  const auto without = [&](const std::string& line) {
+    std::string text = all;
+    return text.erase(text.find(line), line.size());
+  };
+  const std::vector<Mistake> mistakes{
+      // Keys.
+      {all + "ocupied_thresh: 1\n",
+       "m.yaml:7: unknown key 'ocupied_thresh'; the nearest valid key is 'occupied_thresh'"},
+      {"imge: a.pgm\nresolution: 0.05\n" + rest,
+       "m.yaml:1: unknown key 'imge'; the nearest valid key is 'image'"},
+      {all + "\n<<: {mode: raw}\n", "m.yaml:8: unknown key '<<'; the nearest valid key is 'mode'"},
+      {all + "mode: raw\nnegate: 0\n", "m.yaml:8: duplicate key 'negate', first on line 4"},
+      {all + "[1]: 2\n", "m.yaml:7: expected a key, found a list or a group"},
+      {without("image: a.pgm\n"), "m.yaml: missing key 'image'"},
+      {without("resolution: 0.05\n"), "m.yaml: missing key 'resolution'"},
+      {without("origin: [0, 0, 0]\n"), "m.yaml: missing key 'origin'"},
+      {without("negate: 0\n"), "m.yaml: missing key 'negate'"},
+      {without("occupied_thresh: 0.65\n"), "m.yaml: missing key 'occupied_thresh'"},
+      {without("free_thresh: 0.196\n"), "m.yaml: missing key 'free_thresh'"},
+      // Values.
+      {"image: \"\"\nresolution: 0.05\n" + rest, "m.yaml:1: image: expected a value, got nothing"},
+      {"image: [a]\nresolution: 0.05\n" + rest, "m.yaml:1: image: expected a single value, got a list"},
+      {"image: a\nresolution: 0\n" + rest, "m.yaml:2: resolution must be 0.0001 to 1000, got 0"},
+      {"image: a\nresolution: -0.05\n" + rest, "m.yaml:2: resolution must be 0.0001 to 1000, got -0.05"},
+      {"image: a\nresolution: nan\n" + rest, "m.yaml:2: resolution must be 0.0001 to 1000, got nan"},
+      {"image: a\nresolution: 1e999\n" + rest, "m.yaml:2: resolution must be 0.0001 to 1000, got 1e999"},
+      {"image: a\nresolution: 5cm\n" + rest, "m.yaml:2: resolution: expected a number, got '5cm'"},
+      {"image: a\nresolution:\n" + rest, "m.yaml:2: resolution: expected a value, got nothing"},
+      {without("negate: 0\n") + "negate: 2\n", "m.yaml:6: negate: expected 0, 1, false or true, got '2'"},
+      {without("free_thresh: 0.196\n") + "free_thresh: 1.5\n",
+       "m.yaml:6: free_thresh must be 0 to 1, got 1.5"},
+      {without("free_thresh: 0.196\n") + "free_thresh: 0.7\n",
+       "m.yaml:6: free_thresh 0.7 must be below occupied_thresh 0.65"},
+      {all + "mode: binary\n", "m.yaml:7: mode: expected trinary, scale or raw, got 'binary'"},
+      {without("origin: [0, 0, 0]\n") + "origin: [0, 0]\n",
+       "m.yaml:6: origin: expected [x, y, yaw] in metres and radians"},
+      {without("origin: [0, 0, 0]\n") + "origin: 3\n",
+       "m.yaml:6: origin: expected [x, y, yaw] in metres and radians"},
+      {without("origin: [0, 0, 0]\n") + "origin: [0, 0, [1]]\n", "m.yaml:6: expected lines of 'key: value'"},
+      {without("origin: [0, 0, 0]\n") + "origin: [0, 0, 90]\n",
+       "m.yaml:6: origin: expected a yaw in radians, at most one turn, got 90"},
+      {without("origin: [0, 0, 0]\n") + "origin: [inf, 0, 0]\n",
+       "m.yaml:6: origin must be -1e+08 to 1e+08, got inf"},
+      // Not a map YAML at all.
+      {"", "m.yaml: missing key 'image'"},
+      {",", "m.yaml:1: expected one YAML document, found a second one"},
+      {all + "mode: &a raw\n? *a\n", "m.yaml:8: aliases ('*name') are not allowed"},
+      {"- image: a\n", "m.yaml:1: expected lines of 'key: value'"},
+      {"just a text", "m.yaml:1: expected lines of 'key: value'"},
+      {all + "---\nimage: b\n", "m.yaml:8: expected one YAML document, found a second one"},
+      {"P5\n4 4\n255\n", "m.yaml: is an image: expected the map's YAML file, which names the image"},
+      {"image: [a\n", "m.yaml:2: not valid YAML: end of sequence flow not found"},
+      {std::string(70000, '#'), "m.yaml: expected a map YAML of at most 64 KiB"},
+  };
+  for (const Mistake& m : mistakes) {
+    EXPECT_EQ(message_of(ErrorKind::input, [&] { map_yaml_from_text(m.yaml, "m.yaml"); }), m.message)
+        << m.yaml;
+  }
+}
+
+// ---- pixels to cells
+// ------------------------------------------------------------------------------------------------
+
+class MapModes : public MapFolder {
+ protected:
+  GridMap read(const std::vector<int>& values, const std::string& mode_and_negate) const {
+    write("map.pgm", pgm(static_cast<int>(values.size()), 1, values));
+    return read_map(write("map.yaml", yaml_with(mode_and_negate)));
+  }
+};
+
+// SPEC 0.2: 205 gives p = 0.196078 > 0.196, unknown. 255 - 166 = 89 -> p = 0.349; 89 -> p = 0.6510 > 0.65; 90
+// -> 0.647.
+TEST_F(MapModes, Trinary) {
+  EXPECT_EQ(picture(read({205, 254, 0, 206, 90, 89, 255}, "negate: 0")), "?.#.?#.");
+}
+
+TEST_F(MapModes, NegateSwapsBlackAndWhite) {
+  EXPECT_EQ(picture(read({50, 1, 255, 49, 165, 166, 0}, "negate: 1")), "?.#.?#.");
+}
+
+TEST_F(MapModes, ScaleOfAnOpaqueImageIsTrinary) {
+  EXPECT_EQ(picture(read({205, 254, 0, 206, 90, 89, 255}, "negate: 0\nmode: scale")), "?.#.?#.");
+}
+
+TEST_F(MapModes, RawIsPercentAndIgnoresNegate) {
+  const std::vector<int> values{0, 19, 20, 65, 66, 100, 101, 255};
+  EXPECT_EQ(picture(read(values, "negate: 0\nmode: raw")), "..??##??");
+  EXPECT_EQ(picture(read(values, "negate: 1\nmode: raw")), "..??##??");
+}
+
+// As in nav2: trinary takes alpha as a fourth colour, so an opaque 205 (mean 217.5) is free there; in scale
+// whatever is not opaque is unknown; raw ignores alpha.
+TEST_F(MapFolder, AlphaInEachMode) {
+  const std::vector<std::uint8_t> grey_alpha{0, 255, 255, 255, 205, 255, 255, 0, 0, 0, 100, 254};
+  png_image image{};
+  image.version = PNG_IMAGE_VERSION;
+  image.width = static_cast<png_uint_32>(grey_alpha.size() / 2);
+  image.height = 1;
+  image.format = PNG_FORMAT_GA;
+  ASSERT_NE(png_image_write_to_file(&image, path("map.png").c_str(), 0, grey_alpha.data(), 0, nullptr), 0);
+  const auto cells = [&](const std::string& mode) {
+    return picture(read_map(write("map.yaml", yaml_with("negate: 0\nmode: " + mode, "map.png"))));
+  };
+  EXPECT_EQ(cells("trinary"), "#..?#?");
+  EXPECT_EQ(cells("scale"), "#.????");
+  EXPECT_EQ(cells("raw"), ".???.#");
+}
+
+TEST_F(MapFolder, TheTopRowOfTheImageIsTheLastRowOfTheGrid) {
+  write("map.pgm", pgm(2, 3, {0, 254, 205, 205, 254, 254}));
+  const GridMap map = read_map(write("map.yaml", yaml_with("negate: 0")));
+  EXPECT_EQ(map.width, 2);
+  EXPECT_EQ(map.height, 3);
+  EXPECT_EQ(picture(map), "..??#.");
+  EXPECT_EQ(map.resolution_m, 0.05);
+  EXPECT_EQ(map.T_map_grid.x_m, -1.5);
+  EXPECT_EQ(map.T_map_grid.y_m, 2.0);
+  EXPECT_EQ(map.name, path("map.yaml"));
+}
+
+// ---- files
+// ----------------------------------------------------------------------------------------------------------
+
+TEST_F(MapFolder, TheImageLiesRelativeToTheYamlOrIsAbsolute) {
+  fs::create_directories(folder_ / "images");
+  write("images/floor.pgm", pgm(1, 1, {0}));
+  EXPECT_EQ(picture(read_map(write("a.yaml", yaml_with("negate: 0", "images/floor.pgm")))), "#");
+  EXPECT_EQ(picture(read_map(write("b.yaml", yaml_with("negate: 0", path("images/floor.pgm"))))), "#");
+}
+
+TEST_F(MapFolder, FilesThatCannotBeRead) {
+  const auto message = [&](const std::string& file) {
+    return message_of(ErrorKind::input, [&] { read_map(file); });
+  };
+  EXPECT_EQ(message(path("none.yaml")), path("none.yaml") + ": cannot be opened: No such file or directory");
+  EXPECT_EQ(message(folder_.string()), folder_.string() + ": cannot be read: expected a file");
+  const std::string lost = write("lost.yaml", "\n" + yaml_with("negate: 0", "none.pgm"));
+  EXPECT_EQ(message(lost),
+            lost + ":2: image " + path("none.pgm") + ": cannot be opened: No such file or directory");
+  const std::string odd = write("odd.yaml", yaml_with("negate: 0", "odd.jpg"));
+  write("odd.jpg", "\xff\xd8\xff");
+  EXPECT_EQ(message(odd), path("odd.jpg") + ": expected a PGM (P2 or P5) or a PNG image");
+  const std::string cut = write("cut.yaml", yaml_with("negate: 0", "cut.pgm"));
+  write("cut.pgm", "P5 2 2 255\n123");
+  EXPECT_EQ(message(cut),
+            path("cut.pgm") + ": truncated: expected 4 bytes of pixels (2 x 2, maxval 255), found 3");
+  EXPECT_EQ(message(path("cut.pgm")),
+            path("cut.pgm") + ": is an image: expected the map's YAML file, which names the image");
+}
+
+TEST_F(MapFolder, AWrittenMapReadsBack) {
+  GridMap map = grid_from_text({"#.?", ".#.", "?? ", "..#"}, 0.025, {-1.0 / 3.0, 1e-7, -2.5});
+  write_map(path("it's a \"map\" #1.yaml"), map);
+  const GridMap back = read_map(path("it's a \"map\" #1.yaml"));
+  EXPECT_EQ(back.cells, map.cells);
+  EXPECT_EQ(back.width, map.width);
+  EXPECT_EQ(back.height, map.height);
+  EXPECT_EQ(back.resolution_m, map.resolution_m);  // shortest round trip of a double: no tolerance
+  EXPECT_EQ(back.T_map_grid.x_m, map.T_map_grid.x_m);
+  EXPECT_EQ(back.T_map_grid.y_m, map.T_map_grid.y_m);
+  EXPECT_NEAR(back.T_map_grid.theta_rad, -2.5, 1e-15);  // wrapped: one rounding
+  EXPECT_EQ(read("it's a \"map\" #1.pgm").size(), std::string("P5\n3 4\n255\n").size() + 12);
+  EXPECT_EQ(std::distance(fs::directory_iterator(folder_), {}), 2);  // no temporary file is left
+}
+
+TEST_F(MapFolder, AMapThatCannotBeWrittenChangesNothing) {
+  const GridMap map = grid_from_text({"#"}, 0.05);
+  const auto message = [&](const std::string& file, const GridMap& m) {
+    return message_of(ErrorKind::output, [&] { write_map(file, m); });
+  };
+  EXPECT_EQ(message(path("none/map.yaml"), map),
+            path("none/map.pgm") + ": cannot be written: No such file or directory");
+  EXPECT_EQ(message(path("map.pgm"), map),
+            path("map.pgm") + ": is the name of the image: expected one such as map.yaml");
+  EXPECT_EQ(message(folder_.string() + "/", map),
+            folder_.string() + "/: expected a file name such as map.yaml");
+  GridMap broken = map;
+  broken.width = 2;
+  EXPECT_EQ(
+      message(path("map.yaml"), broken),
+      path("map.yaml") + ": a map of 2 x 1 with 1 cells cannot be written: expected sides from 1 to 32767");
+  EXPECT_TRUE(fs::is_empty(folder_));
+}
+
+// ---- the grid
+// -------------------------------------------------------------------------------------------------------
+
+TEST(GridMap, APointLiesInTheCellBelowAndLeftOfIt) {
+  const GridMap map = grid_from_text({"#.", "?#"}, 0.5, {-1.0, -2.0, 0.0});
+  EXPECT_EQ(map.at_point(-0.9, -1.9), Cell::unknown);
+  EXPECT_EQ(map.at_point(-0.5, -1.9), Cell::occupied);  // a corner belongs to the cell on its + side
+  EXPECT_EQ(map.at_point(-0.9, -1.5), Cell::occupied);
+  EXPECT_EQ(map.at_point(-0.1, -1.1), Cell::free);
+  EXPECT_EQ(map.at_point(-1.1, -1.4), Cell::unknown);  // floor: cell -1 is not mirrored onto cell 0
+  EXPECT_EQ(map.at_point(0.0, -1.4), Cell::unknown);
+  const double inf = std::numeric_limits<double>::infinity();
+  for (const double odd : {inf, -inf, std::numeric_limits<double>::quiet_NaN(), 1e300, -1e300}) {
+    EXPECT_EQ(map.at_point(odd, -1.9), Cell::unknown);
+    EXPECT_EQ(map.at_point(-0.5, odd), Cell::unknown);
+  }
+}
+
+TEST(GridMap, AYawedGridIsTurnedAboutItsCorner) {
+  const GridMap map =
+      grid_from_text({"?.#"}, 1.0, {10.0, 20.0, 1.5707963267948966});  // +x of the grid is +y of the map
+  EXPECT_EQ(map.at_point(9.5, 20.5), Cell::unknown);
+  EXPECT_EQ(map.at_point(9.5, 21.5), Cell::free);
+  EXPECT_EQ(map.at_point(9.5, 22.5), Cell::occupied);
+  EXPECT_EQ(map.at_point(10.5, 22.5), Cell::unknown);
+}
+
+TEST(GridMap, TextMapsAreChecked) {
+  const auto message = [](const std::vector<std::string>& rows, double resolution_m) {
+    return message_of(ErrorKind::input, [&] { grid_from_text(rows, resolution_m); });
+  };
+  EXPECT_EQ(message({"##", "#"}, 1.0), "text map:2: expected 2 characters as in the first row, found 1");
+  EXPECT_EQ(message({"#x"}, 1.0), "text map:1: expected '#', '.', ' ' or '?', found the character 'x'");
+  EXPECT_EQ(message({}, 1.0), "text map: expected 1 to 32767 rows and columns, found 0 rows of 0");
+  EXPECT_EQ(message({"."}, 0.0), "text map: expected a resolution above 0 m, got 0.000000");
+}
+
+// ---- real maps
+// ------------------------------------------------------------------------------------------------------
+
+TEST(RealMaps, AreReadWithTheirSize) {
+  const char* set = std::getenv("PARLOC_DATA");
+  const fs::path data = set != nullptr ? set : "../shared/data";
+  if (!fs::exists(data / "intel" / "map.yaml"))
+    GTEST_SKIP() << "no real maps in " << data << " (PARLOC_DATA)";
+  const GridMap intel = read_map((data / "intel" / "map.yaml").string());
+  EXPECT_EQ(intel.width, 813);
+  EXPECT_EQ(intel.height, 760);
+  EXPECT_EQ(intel.T_map_grid.x_m, -20.8787);
+  const auto occupied = std::count(intel.cells.begin(), intel.cells.end(), Cell::occupied);
+  const auto unknown = std::count(intel.cells.begin(), intel.cells.end(), Cell::unknown);
+  EXPECT_GT(occupied, 0);
+  EXPECT_GT(unknown, occupied);  // most of the square around the building was never seen
+  const GridMap house =
+      read_map((data / "tb3_house" / "map_01.yaml").string());  // has a comment in its header
+  EXPECT_EQ(house.size(), 4000000u);
+  EXPECT_EQ(house.resolution_m, 0.01);
+}
+
+}  // namespace
+}  // namespace parloc

@@ -1,0 +1,482 @@
+// Reports: what every HTML file and picture must hold, whatever the run looked like.
+#include "common/io/report.h"
+
+#include <gtest/gtest.h>
+#include <png.h>
+#include <unistd.h>
+
+#include <cmath>
+#include <cstdint>
+#include <cstdlib>
+#include <filesystem>
+#include <fstream>
+#include <limits>
+#include <regex>
+#include <sstream>
+#include <string>
+#include <vector>
+
+#include "common/error.h"
+#include "common/io/html_text.h"
+#include "common/io/map_view.h"
+#include "common/io/png_writer.h"
+#include "common/io/report_parts.h"
+#include "common/io/svg_plot.h"
+
+namespace parloc {
+namespace {
+
+constexpr double nan = std::numeric_limits<double>::quiet_NaN();
+constexpr double infinity = std::numeric_limits<double>::infinity();
+
+/// A hall of 20 x 10 m in 5 cm cells with walls, two pillars and an unknown margin.
+GridMap hall() {
+  GridMap map;
+  map.width = 420, map.height = 220, map.resolution_m = 0.05, map.name = "hall";
+  map.T_map_grid = {-0.5, -0.5, 0.0};
+  map.cells.assign(420 * 220, Cell::unknown);
+  for (int j = 10; j < 210; ++j) {
+    for (int i = 10; i < 410; ++i) {
+      const bool wall = i < 12 || i >= 408 || j < 12 || j >= 208;
+      const bool pillar =
+          (i > 130 && i < 150 && j > 95 && j < 125) || (i > 270 && i < 290 && j > 90 && j < 130);
+      map.cells[static_cast<std::size_t>(j * 420 + i)] = wall || pillar ? Cell::occupied : Cell::free;
+    }
+  }
+  return map;
+}
+
+/// A smooth error that a test can draw: not random, so that every run of the tests sees the same.
+double wobble(int k, double scale) {
+  return scale * (std::sin(0.7 * k) + 0.5 * std::sin(0.13 * k + 1));
+}
+
+Pose on_ellipse(double angle) {
+  return {10 + 7 * std::cos(angle), 5 + 3.2 * std::sin(angle), angle + 1.57};
+}
+
+Snapshot snapshot_at(double stamp_s, const Pose& pose, double spread_m, int count) {
+  Snapshot snapshot{stamp_s, pose, {}, {}};
+  for (int k = 0; k < count; ++k) {
+    const double r = spread_m * std::sqrt((k + 0.5) / count), turn = 2.39996 * k;  // a sunflower
+    snapshot.particles.push_back({static_cast<float>(pose.x_m + r * std::cos(turn)),
+                                  static_cast<float>(pose.y_m + r * std::sin(turn)),
+                                  static_cast<float>(pose.theta_rad), k % 7 == 0 ? 0.01F : 1.0F});
+  }
+  for (int k = 0; k < 80; ++k) {
+    snapshot.scan_points.push_back({static_cast<float>(0.1 + 0.25 * k), k % 2 == 0 ? 0.1F : 9.9F});
+  }
+  return snapshot;
+}
+
+void add_step(RunReport& report, int k, double stamp_s, const Pose& truth) {
+  TrackErrors& e = *report.errors;
+  const double ex = wobble(k, 0.01), ey = wobble(k + 40, 0.01), et = wobble(k + 9, 0.004);
+  report.truth->push_back({stamp_s, truth});
+  report.estimate.push_back({stamp_s, {truth.x_m + ex, truth.y_m + ey, truth.theta_rad + et}});
+  const double drift = 1e-3 * std::min(k, 600);
+  report.odometry.push_back({stamp_s, {truth.x_m + drift, truth.y_m - 0.6 * drift, truth.theta_rad}});
+  e.stamp_s.push_back(stamp_s), e.x_error_m.push_back(ex), e.y_error_m.push_back(ey);
+  e.position_error_m.push_back(std::hypot(ex, ey)), e.heading_error_rad.push_back(et);
+  const double settled = 0.01 + 0.4 * std::exp(-0.2 * k);
+  report.steps.push_back({stamp_s, 1000 + 700 * std::sin(0.2 * k), settled, 1.2 * settled, 0.3 * settled,
+                          3 + std::abs(wobble(3 * k, 1)) + (k % 997 == 5 ? 9.0 : 0.0), k % 9 == 0, false});
+}
+
+RunReport sample(const GridMap* map, int steps) {
+  RunReport report;
+  report.title = "ellipse.log.gz on hall.yaml";
+  report.command_line = "parloc run --map hall.yaml --log ellipse.log.gz --truth ellipse.tum";
+  report.summary = {{"Result", "localized"}, {"Real-time factor", "31"}};
+  report.details = {{"Configuration", {{"particles", "2000"}, {"sensor.model", "likelihood_field"}}},
+                    {"Beams", {{"used", "48210"}, {"rejected, zero", "12"}}},
+                    {"Run", {{"seed", "1"}, {"digest", std::string(64, 'a')}}}};
+  report.map = map;
+  report.truth.emplace();
+  report.errors.emplace();
+  report.resample_below = 1000, report.particles = 2000;
+  for (int k = 0; k < steps; ++k) add_step(report, k, 1e9 + 0.1 * k, on_ellipse(6.0 * k / steps));
+  report.errors->compared = static_cast<std::size_t>(steps);
+  report.errors->position_rmse_m = 0.0123, report.errors->position_mae_m = 0.011;
+  report.errors->position_p95_m = 0.02, report.errors->position_max_m = 0.024;
+  report.errors->heading_rmse_rad = 0.004, report.errors->heading_mae_rad = 0.003;
+  report.errors->heading_max_rad = 0.006;
+  for (int k = 0; k < 8; ++k) {
+    const auto at = static_cast<std::size_t>(k * (steps - 1) / 7);
+    report.snapshots.push_back(snapshot_at(report.estimate[at].stamp_s, report.estimate[at].pose,
+                                           0.02 + 1.5 * std::exp(-1.2 * k), 2000));
+  }
+  return report;
+}
+
+class ReportTest : public testing::Test {
+ protected:
+  void SetUp() override {
+    const char* keep = std::getenv("PARLOC_REPORT_TEST_DIR");  // to look at what the tests write
+    kept_ = keep != nullptr;
+    folder_ = kept_ ? std::filesystem::path(keep)
+                    : std::filesystem::temp_directory_path() / ("parloc_report_" + std::to_string(getpid()));
+    std::filesystem::create_directories(folder_);
+  }
+  void TearDown() override {
+    if (!kept_) std::filesystem::remove_all(folder_);
+  }
+  std::string in_folder(const std::string& name) const { return (folder_ / name).string(); }
+  std::string html(const RunReport& report, const std::string& name = "report.html") const {
+    write_report(in_folder(name), report);
+    return read(in_folder(name));
+  }
+  static std::string read(const std::string& path) {
+    std::ifstream file(path, std::ios::binary);
+    std::ostringstream text;
+    text << file.rdbuf();
+    return text.str();
+  }
+
+  std::filesystem::path folder_;
+  bool kept_ = false;
+  GridMap map_ = hall();
+};
+
+/// The page without the images' data, which may spell anything.
+std::string without_data(const std::string& html) {
+  std::string out;
+  std::size_t at = 0;
+  for (std::size_t data = html.find("base64,"); data != std::string::npos; data = html.find("base64,", at)) {
+    out += html.substr(at, data - at);
+    at = html.find('"', data);
+  }
+  return out + html.substr(at);
+}
+
+/// The first tag that is not closed in order, or an empty string.
+std::string first_unbalanced_tag(const std::string& html) {
+  std::vector<std::string> open;
+  const std::regex tag("<(/?)([a-zA-Z][a-zA-Z0-9]*)((?:[^<>\"]|\"[^\"]*\")*)>");
+  for (auto it = std::sregex_iterator(html.begin(), html.end(), tag); it != std::sregex_iterator(); ++it) {
+    const std::string name = (*it)[2], rest = (*it)[3];
+    if ((*it)[1].length() > 0) {
+      if (open.empty() || open.back() != name) return "</" + name + ">";
+      open.pop_back();
+    } else if (rest.empty() || rest.back() != '/') {
+      open.push_back(name);
+    }
+  }
+  return open.empty() ? "" : "<" + open.back() + ">";
+}
+
+/// Long attributes are cut: std::regex recurses per character.
+std::string with_short_paths(const std::string& html) {
+  std::string out;
+  std::size_t at = 0;
+  for (std::size_t d = html.find(" d=\""); d != std::string::npos; d = html.find(" d=\"", at)) {
+    out += html.substr(at, d + 4 - at);
+    at = html.find('"', d + 4);
+  }
+  return out + html.substr(at);
+}
+
+void expect_well_formed(const std::string& html) {
+  const std::string page = without_data(html);
+  EXPECT_EQ(first_unbalanced_tag(with_short_paths(page)), "");
+  for (const char* outside : {"http:", "https:", "src=", "@import", "<link", "//cdn"}) {
+    EXPECT_EQ(page.find(outside), std::string::npos) << outside;
+  }
+  for (const char* number : {"nan", "NaN", "inf ", "inf\"", "inf%", "Infinity"}) {
+    EXPECT_EQ(page.find(number), std::string::npos) << number;
+  }
+}
+
+std::size_t count(const std::string& text, const std::string& part) {
+  std::size_t n = 0;
+  for (std::size_t at = text.find(part); at != std::string::npos; at = text.find(part, at + part.size())) ++n;
+  return n;
+}
+
+struct Picture {
+  int width = 0, height = 0;
+  std::vector<std::uint8_t> rgb;
+};
+
+/// Decoded by libpng, not by parloc's own reader.
+Picture decode(const std::string& png) {
+  png_image image = {};
+  image.version = PNG_IMAGE_VERSION;
+  if (png_image_begin_read_from_memory(&image, png.data(), png.size()) == 0) return {};
+  image.format = PNG_FORMAT_RGB;
+  Picture picture{static_cast<int>(image.width), static_cast<int>(image.height), {}};
+  picture.rgb.resize(PNG_IMAGE_SIZE(image));
+  if (png_image_finish_read(&image, nullptr, picture.rgb.data(), 0, nullptr) == 0) return {};
+  return picture;
+}
+
+std::size_t pixels_of(const Picture& picture, int red, int green, int blue) {
+  std::size_t n = 0;
+  for (std::size_t k = 0; k + 2 < picture.rgb.size(); k += 3) {
+    n += picture.rgb[k] == red && picture.rgb[k + 1] == green && picture.rgb[k + 2] == blue ? 1 : 0;
+  }
+  return n;
+}
+
+TEST_F(ReportTest, HoldsEveryPart) {
+  const std::string page = html(sample(&map_, 600));
+  expect_well_formed(page);
+  for (const char* part :
+       {"ellipse.log.gz on hall.yaml", "Real-time factor", "RMSE 1.23 cm", "Position error", "Error in x",
+        "Error in y", "Error in heading", "Effective particles", "threshold",
+        "Standard deviation of position", "Time per step", "likelihood_field", "parloc run --map",
+        "id=\"cloud7\"", "prefers-color-scheme:dark", "width=device-width"}) {
+    EXPECT_NE(page.find(part), std::string::npos) << part;
+  }
+  EXPECT_EQ(count(page, "data:image/png;base64,iVBORw0KGgo"), 1U);  // the PNG signature in base 64
+  EXPECT_EQ(count(page, "class=\"snap\""), 8U);
+  EXPECT_EQ(count(page, "<figure class=\"plot\">"), 8U);
+}
+
+TEST_F(ReportTest, SameReportSameBytes) {
+  EXPECT_EQ(html(sample(&map_, 300), "a.html"), html(sample(&map_, 300), "b.html"));
+}
+
+TEST_F(ReportTest, LongRunsStaySmall) {
+  RunReport report = sample(&map_, 15000);
+  while (report.snapshots.size() < 60) report.snapshots.push_back(report.snapshots.back());
+  report.snapshots[0].particles.resize(100000, {1, 1, 0, 1});
+  const std::string page = html(report, "long.html");
+  expect_well_formed(page);
+  EXPECT_LT(page.size(), 3'000'000U);
+  EXPECT_EQ(count(page, "class=\"snap\""), 24U);
+}
+
+TEST_F(ReportTest, EscapesAllText) {
+  const std::string evil = "<script>alert(\"x\")</script> & 'quoted' \x01 \xFF";
+  RunReport report = sample(&map_, 50);
+  report.title = report.command_line = evil;
+  report.summary = {{evil, evil}};
+  report.details = {{evil, {{evil, evil}}}};
+  report.warnings = {evil};
+  const std::string page = html(report, "evil.html");
+  expect_well_formed(page);
+  EXPECT_EQ(page.find("<script>alert"), std::string::npos);
+  EXPECT_EQ(count(page, "<script>"), 1U);  // parloc's own
+  EXPECT_EQ(page.find('\x01'), std::string::npos);
+  EXPECT_EQ(page.find('\xFF'), std::string::npos);
+  EXPECT_EQ(escape_html("a<b>\"&'\xC3\xA9"), "a&lt;b&gt;&quot;&amp;&#39;\xC3\xA9");
+  EXPECT_EQ(escape_html("\xC0\xAF\xED\xA0\x80"),
+            "\xEF\xBF\xBD\xEF\xBF\xBD\xEF\xBF\xBD\xEF\xBF\xBD\xEF\xBF\xBD");
+}
+
+TEST_F(ReportTest, WorksWithoutTruth) {
+  RunReport report = sample(&map_, 200);
+  report.truth.reset();
+  report.errors.reset();
+  const std::string page = html(report, "no_truth.html");
+  expect_well_formed(page);
+  EXPECT_EQ(page.find("Position error"), std::string::npos);
+  EXPECT_EQ(page.find("truth c2"), std::string::npos);
+  EXPECT_NE(page.find("Effective particles"), std::string::npos);
+  write_picture(in_folder("no_truth.png"), report);
+}
+
+TEST_F(ReportTest, WorksWithoutAnything) {
+  RunReport report;
+  report.title = "empty";
+  expect_well_formed(html(report, "empty.html"));
+  EXPECT_THROW(write_picture(in_folder("empty.png"), report), Error);
+  EXPECT_FALSE(std::filesystem::exists(in_folder("empty.png")));
+  report.estimate = {{0, {1, 2, 0}}};  // a single pose, no map
+  expect_well_formed(html(report, "one_pose.html"));
+  write_picture(in_folder("one_pose.png"), report);
+  report = {};
+  report.title = "map only";
+  report.map = &map_;
+  expect_well_formed(html(report, "map_only.html"));
+  write_picture(in_folder("map_only.png"), report);
+}
+
+TEST_F(ReportTest, ValuesThatAreNotFiniteLeaveGaps) {
+  RunReport report = sample(&map_, 300);
+  for (const double bad : {nan, infinity, -infinity, 1e300}) {
+    const auto k = static_cast<std::size_t>(std::isnan(bad) ? 10 : bad > 1e299 ? 20 : 30);
+    report.steps[k] = {bad, bad, bad, bad, bad, bad, true, true};
+    report.steps[k + 1].n_eff = report.steps[k + 1].sigma_x_m = report.steps[k + 1].step_ms = bad;
+    report.estimate[k] = {bad, {bad, bad, bad}};
+    (*report.truth)[k] = {bad, {bad, bad, bad}};
+    report.odometry[k].pose.x_m = bad;
+    report.errors->x_error_m[k] = report.errors->heading_error_rad[k] = report.errors->position_error_m[k] =
+        bad;
+    report.errors->stamp_s[k + 1] = bad;
+    const auto f = static_cast<float>(bad);
+    report.snapshots[k / 10].particles[3] = {f, f, f, f};
+    report.snapshots[k / 10].scan_points[3] = {f, f};
+    report.snapshots[k / 10 + 1].pose = {bad, bad, bad};
+    report.snapshots[k / 10 + 1].stamp_s = bad;
+  }
+  report.errors->position_rmse_m = nan;
+  report.resample_below = infinity;
+  expect_well_formed(html(report, "gaps.html"));
+  write_picture(in_folder("gaps.png"), report);
+  report.estimate.assign(5, {nan, {nan, nan, nan}});
+  report.truth->clear();
+  expect_well_formed(html(report, "all_gaps.html"));
+  report.map = nullptr;
+  report.odometry.clear();
+  expect_well_formed(html(report, "nothing_left.html"));
+}
+
+TEST_F(ReportTest, UnwritablePathIsAnOutputError) {
+  const RunReport report = sample(&map_, 20);
+  const auto kind_of = [&](auto write, const std::string& path) {
+    try {
+      write(path, report);
+    } catch (const Error& error) {
+      EXPECT_NE(std::string(error.what()).find(path), std::string::npos) << error.what();
+      return error.kind();
+    }
+    return ErrorKind::internal;
+  };
+  EXPECT_EQ(kind_of(write_report, in_folder("no/such/folder/r.html")), ErrorKind::output);
+  EXPECT_EQ(kind_of(write_picture, in_folder("no/such/folder/r.png")), ErrorKind::output);
+  std::filesystem::create_directories(in_folder("taken/inside"));
+  EXPECT_EQ(kind_of(write_report, in_folder("taken")), ErrorKind::output);  // a folder that is not empty
+  for (const auto& entry : std::filesystem::directory_iterator(folder_)) {
+    EXPECT_EQ(entry.path().string().find(".part"), std::string::npos) << "left behind: " << entry.path();
+  }
+}
+
+TEST_F(ReportTest, PictureIsAPngWithEveryPath) {
+  const RunReport report = sample(&map_, 600);
+  write_picture(in_folder("picture.png"), report);
+  const std::string png = read(in_folder("picture.png"));
+  ASSERT_EQ(png.substr(0, 8), "\x89PNG\r\n\x1A\n");
+  const Picture picture = decode(png);
+  ASSERT_GE(picture.width, 1000);
+  EXPECT_LE(std::max(picture.width, picture.height), 2100);
+  EXPECT_GT(pixels_of(picture, 0, 114, 178), 1000U) << "estimate";
+  EXPECT_GT(pixels_of(picture, 230, 159, 0), 1000U) << "truth";
+  EXPECT_GT(pixels_of(picture, 181, 80, 140), 500U) << "odometry";
+  EXPECT_GT(pixels_of(picture, 25, 28, 32), 1000U) << "walls";
+}
+
+TEST_F(ReportTest, RefusesAMapThatDoesNotFitItsCells) {
+  map_.cells.pop_back();
+  EXPECT_THROW(html(sample(&map_, 20), "bad_map.html"), Error);
+}
+
+TEST(MapView, OccupiedCellsWinWhenALargeMapIsShrunk) {
+  GridMap map;
+  map.width = 5000, map.height = 3000, map.resolution_m = 0.05;
+  map.cells.assign(5000U * 3000U, Cell::free);
+  map.cells[1234U * 5000U + 4321U] = Cell::occupied;
+  RunReport report;
+  report.map = &map;
+  const MapView view = fit_view(report, 1, 1600).value();
+  EXPECT_LE(std::max(view.width_px, view.height_px), 1600);
+  const std::vector<Cell> cells = raster(map, view);
+  ASSERT_EQ(cells.size(), static_cast<std::size_t>(view.width_px) * static_cast<std::size_t>(view.height_px));
+  const Pixel at = view.to_pixel(4321.5 * 0.05, 1234.5 * 0.05);
+  EXPECT_EQ(std::count(cells.begin(), cells.end(), Cell::occupied), 1);
+  EXPECT_EQ(cells[static_cast<std::size_t>(at.y) * static_cast<std::size_t>(view.width_px) +
+                  static_cast<std::size_t>(at.x)],
+            Cell::occupied);
+}
+
+TEST(MapView, PointsLieOnTheirCellsInATurnedAndMagnifiedMap) {
+  GridMap map;
+  map.width = 30, map.height = 20, map.resolution_m = 0.5;
+  map.T_map_grid = {3.0, -4.0, 0.7};
+  map.cells.assign(600, Cell::free);
+  map.cells[7 * 30 + 21] = Cell::occupied;
+  RunReport report;
+  report.map = &map;
+  const MapView view = fit_view(report, 600, 1600).value();
+  ASSERT_GT(view.up, 1);
+  const std::vector<Cell> cells = raster(map, view);
+  const double gx = 21.5 * 0.5,
+               gy = 7.5 * 0.5;  // the cell's centre in the grid, then turned into the map frame
+  const Pixel at = view.to_pixel(3.0 + std::cos(0.7) * gx - std::sin(0.7) * gy,
+                                 -4.0 + std::sin(0.7) * gx + std::cos(0.7) * gy);
+  EXPECT_EQ(cells[static_cast<std::size_t>(at.y) * static_cast<std::size_t>(view.width_px) +
+                  static_cast<std::size_t>(at.x)],
+            Cell::occupied);
+  EXPECT_EQ(std::count(cells.begin(), cells.end(), Cell::occupied), view.up * view.up);
+}
+
+TEST(MapView, CropsAHugeMapToThePath) {
+  GridMap map;
+  map.width = 4000, map.height = 4000, map.resolution_m = 0.1;
+  map.cells.assign(16000000U, Cell::free);
+  RunReport report;
+  report.map = &map;
+  report.estimate = {{0, {100, 100, 0}}, {1, {110, 104, 0}}};
+  const MapView view = fit_view(report, 1, 1600).value();
+  EXPECT_EQ(view.down, 1);
+  EXPECT_LT(view.width_px, 250);                               // 10 m of path and 2.5 m on both sides
+  report.odometry = {{0, {100, 100, 0}}, {1, {1e6, 104, 0}}};  // far away: widens the window a little
+  EXPECT_LT(fit_view(report, 1, 1600)->width_px, 300);
+}
+
+TEST(Envelope, KeepsPeaksOfALongSeries) {
+  std::vector<double> stamps, values;
+  for (int k = 0; k < 15000; ++k) {
+    stamps.push_back(k);
+    values.push_back(k == 7777 ? 50.0 : k == 8888 ? -20.0 : 1.0);
+  }
+  const auto columns = envelope(time_axis(stamps), stamps, values, 1000);
+  EXPECT_LE(columns.size(), 1001U);
+  double low = 0, high = 0;
+  for (const EnvelopeColumn& c : columns) low = std::min(low, c.low), high = std::max(high, c.high);
+  EXPECT_EQ(high, 50.0);
+  EXPECT_EQ(low, -20.0);
+}
+
+TEST(RenderPlot, TellsOfPeaksThatAnErrorPlotCutsOff) {
+  Plot plot{"Error", "m", PlotScale::symmetric, {{"", "c1", {}, {}}}, {}, {}, {}};
+  for (int k = 0; k < 1000; ++k) {
+    plot.series[0].stamp_s.push_back(k);
+    plot.series[0].y.push_back(k < 5 ? 3.25 : 0.02);
+  }
+  EXPECT_NE(render_plot(plot, time_axis(plot.series[0].stamp_s)).find("peaks up to 3.25"), std::string::npos);
+  plot.series[0].y.assign(1000, 0.02);
+  EXPECT_EQ(render_plot(plot, time_axis(plot.series[0].stamp_s)).find("peaks"), std::string::npos);
+}
+
+TEST(Envelope, OrdersStampsThatRunBackwardsAndMarksGaps) {
+  const std::vector<double> stamps = {0, 3, 1, 2, 4}, values = {10, 13, 11, nan, 14};
+  const auto columns = envelope(time_axis(stamps), stamps, values, 100);
+  ASSERT_EQ(columns.size(), 4U);
+  EXPECT_EQ(columns[1].low, 11);
+  EXPECT_EQ(columns[1].mean, 11);
+  EXPECT_FALSE(columns[1].gap_before);
+  EXPECT_EQ(columns[2].low, 13);
+  EXPECT_TRUE(columns[2].gap_before);  // stamp 2 has no value
+}
+
+TEST(NumberText, IsForReaders) {
+  EXPECT_EQ(number_text(1.50, 3), "1.5");
+  EXPECT_EQ(number_text(-0.0001, 2), "0");
+  EXPECT_EQ(number_text(100, 0), "100");
+  EXPECT_EQ(number_text(nan, 2), "\xE2\x80\x93");
+  EXPECT_EQ(number_text(12345678, 2), "1.23e+07");
+}
+
+TEST(PngWriter, RoundTripsColoursAndRefusesWrongSizes) {
+  const std::vector<std::uint8_t> pixels = {255, 0, 0, 1, 2, 3, 0, 255, 0, 9, 8, 7};
+  const Picture picture = decode(encode_png_rgb(2, 2, pixels));
+  EXPECT_EQ(picture.width, 2);
+  EXPECT_EQ(picture.rgb, pixels);
+  EXPECT_THROW(encode_png_rgb(3, 2, pixels), Error);
+  EXPECT_THROW(encode_png_palette(2, 1, {0, 5}, {{}, {}}), Error);
+  EXPECT_EQ(png_data_uri("a"), "data:image/png;base64,YQ==");
+  EXPECT_EQ(png_data_uri("ab"), "data:image/png;base64,YWI=");
+  EXPECT_EQ(png_data_uri("\xFF\xFE\xFD"), "data:image/png;base64,//79");
+}
+
+TEST(EvenlySpaced, KeepsTheEnds) {
+  EXPECT_EQ(evenly_spaced(3, 10), (std::vector<std::size_t>{0, 1, 2}));
+  EXPECT_EQ(evenly_spaced(10, 4), (std::vector<std::size_t>{0, 3, 6, 9}));
+  EXPECT_EQ(evenly_spaced(10, 1), (std::vector<std::size_t>{9}));
+  EXPECT_TRUE(evenly_spaced(0, 4).empty());
+}
+
+}  // namespace
+}  // namespace parloc

@@ -1,0 +1,22 @@
+# Compile flags for parloc's own sources. Strict floating point is part of the contract (docs/determinism.md): no
+# contraction, no fast-math. -fno-trapping-math and -fno-math-errno change no value; they let loops vectorise.
+add_library(parloc_flags INTERFACE)
+target_compile_features(parloc_flags INTERFACE cxx_std_20)
+set(_parloc_host_flags -ffp-contract=off -fno-trapping-math -fno-math-errno)
+set(_parloc_warnings -Wall -Wextra -Wshadow -Wnon-virtual-dtor)
+if(CMAKE_CXX_COMPILER_ID STREQUAL GNU AND CMAKE_CXX_COMPILER_VERSION VERSION_LESS 13)
+  list(APPEND _parloc_warnings -Wno-restrict)  # false reports on std::string + char* (GCC bug 105329)
+endif()
+if(PARLOC_WERROR)
+  list(APPEND _parloc_warnings -Werror)
+endif()
+target_compile_options(parloc_flags INTERFACE "$<$<COMPILE_LANGUAGE:CXX>:${_parloc_host_flags};${_parloc_warnings}>")
+if(PARLOC_WITH_CUDA)
+  string(REPLACE ";" "," _parloc_host_flags_csv "${_parloc_host_flags}")
+  set(_parloc_cuda_flags --fmad=false --prec-div=true --prec-sqrt=true --ftz=false --expt-relaxed-constexpr
+    --extended-lambda -Xcompiler=${_parloc_host_flags_csv} -Xcompiler=-Wall)
+  if(PARLOC_WERROR)
+    list(APPEND _parloc_cuda_flags --Werror=all-warnings)
+  endif()
+  target_compile_options(parloc_flags INTERFACE "$<$<COMPILE_LANGUAGE:CUDA>:${_parloc_cuda_flags}>")
+endif()

@@ -1,0 +1,58 @@
+# The public headers as <parloc/...>, for the build tree and the install tree; the install rules; the CMake package.
+
+# ---- public headers --------------------------------------------------------------------------------------------------
+# Sources say "common/io/log.h", users say <parloc/io/log.h>: the copies differ from the sources in that alone.
+set(PARLOC_PUBLIC_HEADERS
+  error.h
+  eval/metrics.h
+  filter/config.h
+  filter/particle_filter.h
+  io/config.h
+  io/log.h
+  io/trajectory.h
+  map/grid_map.h
+  map/map_reader.h
+  math/pose.h
+  parloc.h)
+set(_parloc_include_dir ${PROJECT_BINARY_DIR}/include)
+foreach(header ${PARLOC_PUBLIC_HEADERS})
+  set(source ${PROJECT_SOURCE_DIR}/common/${header})
+  set_property(DIRECTORY APPEND PROPERTY CMAKE_CONFIGURE_DEPENDS ${source})
+  file(READ ${source} text)
+  string(REPLACE "#include \"common/" "#include \"parloc/" text "${text}")
+  file(CONFIGURE OUTPUT ${_parloc_include_dir}/parloc/${header} CONTENT "${text}" @ONLY)
+endforeach()
+target_include_directories(parloc INTERFACE
+  $<BUILD_INTERFACE:${_parloc_include_dir}> $<INSTALL_INTERFACE:${CMAKE_INSTALL_INCLUDEDIR}>)
+set_target_properties(parloc PROPERTIES VERSION ${PROJECT_VERSION}
+  SOVERSION ${PROJECT_VERSION_MAJOR}.${PROJECT_VERSION_MINOR})
+
+if(NOT PARLOC_INSTALL)
+  return()
+endif()
+
+# ---- files -----------------------------------------------------------------------------------------------------------
+install(TARGETS parloc EXPORT parlocTargets)
+if(TARGET parloc_program)
+  set_target_properties(parloc_program PROPERTIES INSTALL_RPATH "$ORIGIN/../${CMAKE_INSTALL_LIBDIR}")
+  install(TARGETS parloc_program)
+endif()
+install(DIRECTORY ${_parloc_include_dir}/parloc TYPE INCLUDE)
+install(DIRECTORY ${PROJECT_SOURCE_DIR}/maps ${PROJECT_SOURCE_DIR}/configs DESTINATION ${CMAKE_INSTALL_DATADIR}/parloc)
+install(FILES ${PROJECT_SOURCE_DIR}/LICENSE ${PROJECT_SOURCE_DIR}/README.md ${PROJECT_SOURCE_DIR}/CHANGELOG.md TYPE DOC)
+
+# ---- package: find_package(parloc) gives parloc::parloc ----------------------------------------------------------------
+include(CMakePackageConfigHelpers)
+get_target_property(_parloc_type parloc TYPE)
+if(_parloc_type STREQUAL "STATIC_LIBRARY")
+  set(PARLOC_IS_STATIC ON)  # whoever links a static library links what it uses, too
+else()
+  set(PARLOC_IS_STATIC OFF)
+endif()
+set(_parloc_package_dir ${CMAKE_INSTALL_LIBDIR}/cmake/parloc)
+configure_package_config_file(${CMAKE_CURRENT_LIST_DIR}/parlocConfig.cmake.in
+  ${PROJECT_BINARY_DIR}/parlocConfig.cmake INSTALL_DESTINATION ${_parloc_package_dir})
+write_basic_package_version_file(${PROJECT_BINARY_DIR}/parlocConfigVersion.cmake COMPATIBILITY SameMinorVersion)
+install(FILES ${PROJECT_BINARY_DIR}/parlocConfig.cmake ${PROJECT_BINARY_DIR}/parlocConfigVersion.cmake
+  DESTINATION ${_parloc_package_dir})
+install(EXPORT parlocTargets NAMESPACE parloc:: DESTINATION ${_parloc_package_dir})

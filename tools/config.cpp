@@ -1,0 +1,23 @@
+// parloc config: the effective configuration, every key with its meaning.
+#include <CLI/CLI.hpp>
+#include <cstdio>
+#include <memory>
+#include <string>
+
+#include "common/io/config.h"
+#include "tools/commands.h"
+
+namespace parloc::tools {
+
+Command add_config_command(CLI::App& program) {
+  CLI::App* app = program.add_subcommand("config", "Print the effective configuration, with every default");
+  const auto path = std::make_shared<std::string>();
+  app->add_option("--config", *path, "Configuration to read over the defaults")->type_name("C.yaml");
+  return {app, [path] {
+            const FilterConfig config = path->empty() ? FilterConfig{} : read_config(*path);
+            std::fputs(config_to_yaml(config).c_str(), stdout);
+            return 0;
+          }};
+}
+
+}  // namespace parloc::tools

@@ -1,0 +1,190 @@
+#include "tools/localize_log.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <limits>
+#include <utility>
+
+#include "common/error.h"
+#include "tools/snapshots.h"
+
+namespace parloc::tools {
+namespace {
+
+using Clock = std::chrono::steady_clock;
+
+double seconds_since(Clock::time_point start) {
+  return std::chrono::duration<double>(Clock::now() - start).count();
+}
+
+/// With --strict: throws at the first thing that would else be counted and reported.
+class StrictCheck {
+ public:
+  StrictCheck(bool strict, const std::string& log_name) : strict_(strict), log_name_(log_name) {}
+
+  /// After each record, and at the end of the log.
+  void check_log(const LogWarnings& now, std::size_t line) {
+    if (!strict_) return;
+    const char* what = now.broken_lines > 0         ? "a broken line"
+                       : now.backward_stamps > 0    ? "time runs backwards"
+                       : now.beam_count_changes > 0 ? "the number of beams changed"
+                                                    : nullptr;
+    if (what == nullptr) return;
+    // The reader's own words name the line of the trouble, which `line` may have passed.
+    const std::string tail = " (--strict)";
+    if (!now.messages.empty()) throw Error(ErrorKind::input, now.messages.back() + tail);
+    throw input_error(log_name_, line, what + tail);
+  }
+
+  /// After each step.
+  void check_step(const ParticleFilter& filter, std::size_t line) const {
+    if (!strict_) return;
+    const BeamCounts& beams = filter.beam_counts();
+    const std::pair<const char*, std::size_t> counts[] = {{"NaN", beams.nan},
+                                                          {"infinite", beams.infinite},
+                                                          {"negative", beams.negative},
+                                                          {"zero", beams.zero},
+                                                          {"too short", beams.below_min}};
+    for (const auto& [what, count] : counts) {
+      if (count > 0)
+        throw input_error(log_name_, line, fmt::format("{} {} ranges in a scan (--strict)", count, what));
+    }
+    if (filter.odometry_jumps() > 0) {
+      throw input_error(
+          log_name_, line,
+          fmt::format("odometry jumps by more than {} m (--strict)", filter.config().motion.max_jump_m));
+    }
+  }
+
+ private:
+  bool strict_;
+  const std::string& log_name_;
+};
+
+/// The next scan of the log; odometry between scans is not needed, since each scan has its own.
+bool next_scan(LogReader& log, LogRecord& record, StrictCheck& strict) {
+  while (log.next(record)) {
+    strict.check_log(log.warnings(), record.line);
+    if (record.kind == RecordKind::scan) return true;
+  }
+  strict.check_log(log.warnings(), 0);
+  return false;
+}
+
+StartPose start_of(const LocalizeRequest& request, double first_stamp_s) {
+  if (request.start) return *request.start;
+  if (!request.truth.empty()) return start_from_truth(request.truth, first_stamp_s, request.config);
+  throw Error(ErrorKind::usage, "no start pose: give --init x,y,theta, --init global, or --truth");
+}
+
+void start_filter(ParticleFilter& filter, const StartPose& start) {
+  if (start.anywhere) {
+    filter.start_anywhere();
+  } else {
+    filter.start_at(start.pose, start.sigma_x_m, start.sigma_y_m, start.sigma_theta_rad);
+  }
+}
+
+Error no_scan(const LocalizeRequest& request, const LogWarnings& warnings) {
+  std::string message = "expected at least one scan (FLASER, RLASER or ROBOTLASER1), found none";
+  if (!warnings.messages.empty()) message += fmt::format("; {}", warnings.messages.front());
+  return input_error(request.log_name, 0, message);
+}
+
+StepRecord step_record(const Estimate& estimate, double stamp_s, double step_ms) {
+  const double* variance = estimate.covariance.v;
+  return {stamp_s, estimate.n_eff,     std::sqrt(variance[0]), std::sqrt(variance[4]), std::sqrt(variance[8]),
+          step_ms, estimate.resampled, estimate.lost};
+}
+
+/// Collects the run's results step by step.
+class Run {
+ public:
+  Run(const GridMap& map, const LocalizeRequest& request, const LogRecord& first)
+      : filter_(request.config, map), start_(start_of(request, first.stamp_s)) {
+    start_filter(filter_, start_);
+    T_map_odometry_ = compose(start_.pose, inverse(first.odometry));
+    earliest_s_ = latest_s_ = first.stamp_s;
+    begun_ = Clock::now();
+  }
+
+  void step(const LogRecord& record) {
+    const Clock::time_point begun = Clock::now();
+    const Estimate estimate = filter_.step(record.odometry, record.scan);
+    const double step_ms = 1e3 * seconds_since(begun);
+    result_.trajectory.push_back({record.stamp_s, estimate.pose});
+    if (!start_.anywhere)
+      result_.odometry.push_back({record.stamp_s, compose(T_map_odometry_, record.odometry)});
+    result_.steps.push_back(step_record(estimate, record.stamp_s, step_ms));
+    result_.lost_steps += estimate.lost ? 1 : 0;
+    ++result_.scans;
+    earliest_s_ = std::min(earliest_s_, record.stamp_s);
+    latest_s_ = std::max(latest_s_, record.stamp_s);
+    snapshots_.offer(filter_, estimate.pose, record.scan);
+    last_scan_ = record.scan;
+  }
+
+  const ParticleFilter& filter() const { return filter_; }
+  std::size_t scans() const { return result_.scans; }
+
+  Localization finish(const LogWarnings& warnings) {
+    result_.wall_s = seconds_since(begun_);
+    result_.log_s = latest_s_ - earliest_s_;
+    if (result_.scans > 0) snapshots_.finish(filter_, result_.trajectory.back().pose, last_scan_);
+    result_.snapshots = snapshots_.take();
+    result_.filter_steps = filter_.steps();
+    result_.odometry_jumps = filter_.odometry_jumps();
+    result_.beams = filter_.beam_counts();
+    result_.warnings = warnings;
+    result_.config = filter_.config();
+    result_.backend = filter_.backend_name();
+    result_.digest = filter_.digest();
+    return std::move(result_);
+  }
+
+ private:
+  ParticleFilter filter_;
+  StartPose start_;
+  Pose T_map_odometry_;
+  SnapshotKeeper snapshots_;
+  Scan last_scan_;
+  Localization result_;
+  double earliest_s_ = 0.0, latest_s_ = 0.0;
+  Clock::time_point begun_;
+};
+
+}  // namespace
+
+Localization localize_log(const GridMap& map, LogReader& log, const LocalizeRequest& request) {
+  StrictCheck strict(request.strict, request.log_name);
+  LogRecord record;
+  if (!next_scan(log, record, strict)) throw no_scan(request, log.warnings());
+
+  Run run(map, request, record);
+  bool more = true;
+  while (more && !(request.stop && request.stop())) {
+    run.step(record);
+    strict.check_step(run.filter(), record.line);
+    if (request.progress) request.progress(log.progress(), run.scans());
+    more = next_scan(log, record, strict);
+  }
+  Localization result = run.finish(log.warnings());
+  result.interrupted = more;
+  return result;
+}
+
+StepTimes step_times(const std::vector<StepRecord>& steps) {
+  constexpr double nan = std::numeric_limits<double>::quiet_NaN();
+  if (steps.size() < 2) return {nan, nan};
+  std::vector<double> ms;
+  for (std::size_t i = 1; i < steps.size(); ++i) ms.push_back(steps[i].step_ms);
+  std::sort(ms.begin(), ms.end());
+  const std::size_t n = ms.size();
+  const double median = n % 2 == 1 ? ms[n / 2] : 0.5 * (ms[n / 2 - 1] + ms[n / 2]);
+  return {median, ms[(99 * n + 99) / 100 - 1]};  // nearest rank: the smallest with 99 % at or below it
+}
+
+}  // namespace parloc::tools

@@ -1,0 +1,92 @@
+// The `parloc` program: picks the subcommand, and turns every error into one line and an exit code.
+#include <fmt/format.h>
+
+#include <CLI/CLI.hpp>
+#include <algorithm>
+#include <cctype>
+#include <cstdio>
+#include <exception>
+#include <new>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "common/error.h"
+#include "tools/commands.h"
+
+namespace parloc::tools {
+namespace {
+
+/// One line on stderr, whatever file names and libraries put into `message`.
+int complain(std::string message, ErrorKind kind) {
+  for (char& c : message) {
+    if (static_cast<unsigned char>(c) < 0x20 || c == 0x7f) c = ' ';
+  }
+  fmt::print(stderr, "parloc: {}\n", message);
+  return static_cast<int>(kind);
+}
+
+/// The command line as one would type it again in a shell.
+std::string typed_command(int argc, char** argv) {
+  std::string typed;
+  for (int i = 0; i < argc; ++i) {
+    std::string word = argv[i];
+    const bool plain = !word.empty() && std::all_of(word.begin(), word.end(), [](unsigned char c) {
+      return std::isalnum(c) != 0 ||
+             std::string_view("-_./,:=+@%").find(static_cast<char>(c)) != std::string_view::npos;
+    });
+    if (!plain) {
+      std::string quoted = "'";
+      for (const char c : word) quoted += c == '\'' ? std::string("'\\''") : std::string(1, c);
+      word = quoted + "'";
+    }
+    typed += (i > 0 ? " " : "") + word;
+  }
+  return typed;
+}
+
+int run_program(int argc, char** argv) {
+  CLI::App program("Localizes a mobile robot with a 2D LiDAR on a known map.", "parloc");
+  program.set_version_flag("--version", "parloc " PARLOC_VERSION);
+  program.require_subcommand(1);
+  program.get_formatter()->column_width(22);
+  program.footer("parloc COMMAND --help explains a command. Exit codes: docs/exit_codes.md");
+  const std::vector<Command> commands{add_run_command(program, typed_command(argc, argv)),
+                                      add_simulate_command(program), add_map_command(program),
+                                      add_config_command(program), add_devices_command(program)};
+  try {
+    program.parse(argc, argv);
+  } catch (const CLI::ParseError& e) {
+    if (e.get_exit_code() == 0) return program.exit(e);  // --help, --version
+    std::string where = "parloc";
+    for (const Command& command : commands) {
+      if (command.app->parsed()) where += " " + command.app->get_name();
+    }
+    return complain(fmt::format("{} (see {} --help)", e.what(), where), ErrorKind::usage);
+  }
+  for (const Command& command : commands) {
+    if (command.app->parsed()) return command.run();
+  }
+  return complain("expected a command (see parloc --help)", ErrorKind::usage);
+}
+
+}  // namespace
+}  // namespace parloc::tools
+
+int main(int argc, char** argv) {
+  using parloc::ErrorKind;
+  using parloc::tools::complain;
+  try {
+    const int code = parloc::tools::run_program(argc, argv);
+    if (std::fflush(stdout) != 0 || std::ferror(stdout) != 0) {
+      return complain("standard output cannot be written", ErrorKind::output);
+    }
+    return code;
+  } catch (const parloc::Error& e) {
+    return complain(e.what(), e.kind());
+  } catch (const std::bad_alloc&) {
+    return complain("out of memory", ErrorKind::internal);
+  } catch (const std::exception& e) {
+    return complain(fmt::format("internal error: {}", e.what()), ErrorKind::internal);
+  }
+}

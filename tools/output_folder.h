@@ -1,0 +1,36 @@
+// The folder that a run writes its results into.
+#pragma once
+
+#include <string>
+#include <vector>
+
+namespace parloc::tools {
+
+/// Makes sure before the work that results can be written after it, and that a failed run leaves an earlier
+/// one's results as they were: files are written into a hidden folder inside, and moved to their places all
+/// at the end.
+class OutputFolder {
+ public:
+  /// Creates `folder` (and those above it) if need be. Throws Error{output} if that fails, if nothing can be
+  /// written there, or if a folder stands where one of `files` is to go.
+  OutputFolder(const std::string& folder, std::vector<std::string> files);
+  /// Removes what was not published, and the folders it created if they are empty.
+  ~OutputFolder();
+  OutputFolder(const OutputFolder&) = delete;
+  OutputFolder& operator=(const OutputFolder&) = delete;
+
+  /// Where to write `file` for now.
+  std::string staged(const std::string& file) const { return staging_ + "/" + file; }
+  /// Where it will be.
+  std::string final_path(const std::string& file) const { return folder_ + "/" + file; }
+  /// Moves the staged files to their places, replacing what is there. Throws Error{output}.
+  void publish();
+
+ private:
+  std::string folder_;
+  std::string staging_;
+  std::vector<std::string> files_;
+  std::vector<std::string> created_;  ///< Outermost first.
+};
+
+}  // namespace parloc::tools

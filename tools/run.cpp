@@ -1,0 +1,152 @@
+// parloc run: localizes a log on a map.
+#include <fmt/format.h>
+
+#include <CLI/CLI.hpp>
+#include <algorithm>
+#include <cstdio>
+#include <memory>
+#include <optional>
+#include <string>
+
+#include "common/error.h"
+#include "common/eval/metrics.h"
+#include "common/filter/config_fields.h"
+#include "common/io/config.h"
+#include "common/io/output_file.h"
+#include "common/io/report.h"
+#include "common/map/map_reader.h"
+#include "tools/commands.h"
+#include "tools/interrupt.h"
+#include "tools/localize_log.h"
+#include "tools/output_folder.h"
+#include "tools/progress.h"
+#include "tools/run_results.h"
+
+namespace parloc::tools {
+namespace {
+
+/// The command line; what was not given is empty.
+struct RunOptions {
+  std::string map, log, truth, relations, config, init, backend;
+  std::string out = "parloc_out";
+  std::optional<std::int64_t> particles;
+  std::optional<int> beams, threads;
+  std::optional<std::uint64_t> seed;
+  bool strict = false, json = false, quiet = false;
+};
+
+void declare(CLI::App& app, RunOptions& o) {
+  app.add_option("--map", o.map, "ROS map_server YAML")->required()->type_name("M.yaml");
+  app.add_option("--log", o.log, "CARMEN log, plain or gzip")->required()->type_name("LOG");
+  app.add_option("--truth", o.truth, "True trajectory, TUM format")->type_name("T.tum");
+  app.add_option("--relations", o.relations, "True relations between scans")->type_name("R.txt");
+  app.add_option("--config", o.config, "Settings over the defaults")->type_name("C.yaml");
+  app.add_option("--init", o.init, "x,y,theta[,sx,sy,st] in m and rad, or global; else truth")
+      ->type_name("START");
+  app.add_option("--out", o.out, "Folder for the results (parloc_out)")->type_name("DIR");
+  app.add_option("--backend", o.backend, "auto, cpu or cuda")->type_name("WHICH");
+  app.add_option("--particles", o.particles, "1 to 16777216")->type_name("N");
+  app.add_option("--beams", o.beams, "Beams used of a scan, 1 to 4096")->type_name("B");
+  app.add_option("--seed", o.seed, "Same seed, same answer")->type_name("S");
+  app.add_option("--threads", o.threads, "CPU threads; 0: all cores")->type_name("K");
+  app.add_flag("--strict", o.strict, "A broken line or beam ends the run");
+  app.add_flag("--json", o.json, "Print the metrics alone, as JSON");
+  app.add_flag("--quiet", o.quiet, "No progress and no summary");
+}
+
+BackendChoice backend_choice(const std::string& name) {
+  for (const auto& choice : kBackends) {
+    if (name == choice.name) return choice.value;
+  }
+  throw Error(ErrorKind::usage, fmt::format("--backend: expected auto, cpu or cuda, got '{}'", name));
+}
+
+/// The configuration file with the command line on top.
+FilterConfig effective_config(const RunOptions& o) {
+  FilterConfig config = o.config.empty() ? FilterConfig{} : read_config(o.config);
+  if (o.particles) config.particles = *o.particles;
+  if (o.beams) {
+    config.scan.max_beams = *o.beams;
+    config.scan.min_beams = std::min(config.scan.min_beams, *o.beams);  // so few beams are meant to be used
+  }
+  if (o.seed) config.seed = *o.seed;
+  if (o.threads) config.threads = *o.threads;
+  if (!o.backend.empty()) config.backend = backend_choice(o.backend);
+  try {
+    validate(config);
+  } catch (const Error& e) {  // a file is sound by now, so it is the command line
+    throw Error(ErrorKind::usage, e.what());
+  }
+  return config;
+}
+
+constexpr const char* kTrajectory = "trajectory.tum";
+constexpr const char* kMetrics = "metrics.json";
+constexpr const char* kReport = "report.html";
+constexpr const char* kPicture = "picture.png";
+
+void write_results(OutputFolder& out, const RunResults& results, const GridMap& map) {
+  const RunReport report = run_report(results, map);
+  write_tum(out.staged(kTrajectory), results.run.trajectory);
+  replace_file(out.staged(kMetrics), metrics_json(results));
+  write_report(out.staged(kReport), report);
+  write_picture(out.staged(kPicture), report);
+  out.publish();
+}
+
+int run(const RunOptions& o, const std::string& typed) {
+  // Everything that can be wrong is looked at before the long work.
+  LocalizeRequest request;
+  request.config = effective_config(o);
+  request.log_name = o.log;
+  request.strict = o.strict;
+  if (!o.init.empty()) request.start = parse_start_pose(o.init, request.config);
+  if (o.init.empty() && o.truth.empty()) {
+    throw Error(ErrorKind::usage, "no start pose: give --init x,y,theta, --init global, or --truth");
+  }
+  const GridMap map = read_map(o.map);
+  const std::unique_ptr<LogReader> log = open_carmen_log(o.log);
+  if (!o.truth.empty()) request.truth = read_tum(o.truth);
+  const std::vector<Relation> relations =
+      o.relations.empty() ? std::vector<Relation>{} : read_relations(o.relations);
+  OutputFolder out(o.out, {kTrajectory, kMetrics, kReport, kPicture});
+
+  RunResults results{o.map, o.log, o.truth, o.relations, typed, o.init.empty() ? "truth" : o.init,
+                     {},    {},    {},      {}};
+  catch_interrupts();
+  {
+    Progress progress(Progress::style_here(o.quiet));
+    request.progress = [&](double fraction, std::size_t scans) {
+      progress.update(fraction, fmt::format("{} scans", scans));
+    };
+    request.stop = interrupted;
+    results.run = localize_log(map, *log, request);
+  }
+  if (results.run.scans == 0) {
+    fmt::print(stderr, "parloc: interrupted before the first scan, nothing is written\n");
+    return kExitInterrupted;
+  }
+  results.truth = std::move(request.truth);
+  if (!o.truth.empty()) results.errors = compare_tracks(results.run.trajectory, results.truth);
+  if (!o.relations.empty()) results.relations = compare_relations(results.run.trajectory, relations);
+  write_results(out, results, map);
+
+  if (o.json) {
+    std::fputs(metrics_json(results).c_str(), stdout);
+  } else if (!o.quiet) {
+    fmt::print("{}{:<16}{} (beside it: {}, {}, {})\n", run_summary(results), "report",
+               out.final_path(kReport), kPicture, kTrajectory, kMetrics);
+  }
+  return results.run.interrupted ? kExitInterrupted : 0;
+}
+
+}  // namespace
+
+Command add_run_command(CLI::App& program, const std::string& typed) {
+  CLI::App* app = program.add_subcommand("run", "Localize a log on a map");
+  const auto options = std::make_shared<RunOptions>();
+  declare(*app, *options);
+  return {app, [options, typed] { return run(*options, typed); }};
+}
+
+}  // namespace parloc::tools

@@ -1,0 +1,254 @@
+#include "tools/run_results.h"
+
+#include <fmt/format.h>
+
+#include <cmath>
+#include <nlohmann/json.hpp>
+#include <numbers>
+#include <utility>
+#include <vector>
+
+#include "common/filter/config_fields.h"
+
+namespace parloc::tools {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+constexpr double kDegrees = 180.0 / std::numbers::pi;
+
+/// The configuration as a JSON object with one object per group.
+struct ConfigJson {
+  Json json = Json::object();
+
+  template <class Number>
+  void operator()(const Field& field, Number value, const Limits<Number>&) {
+    place(field) = value;
+  }
+  void operator()(const Field& field, bool value) { place(field) = value; }
+  template <class Enum, std::size_t n>
+  void operator()(const Field& field, Enum value, const std::array<Choice<Enum>, n>& choices) {
+    for (const auto& choice : choices) {
+      if (choice.value == value) place(field) = choice.name;
+    }
+  }
+  Json& place(const Field& field) {
+    return *field.group == '\0' ? json[field.key] : json[field.group][field.key];
+  }
+};
+
+Json config_json(const FilterConfig& config) {
+  ConfigJson visitor;
+  visit_fields(config, visitor);
+  return std::move(visitor.json);
+}
+
+void add_track_errors(Json& json, const std::optional<TrackErrors>& errors) {
+  const bool known = errors && errors->compared > 0;
+  const auto add = [&](const char* key, double TrackErrors::*value) {
+    json[key] = known ? Json((*errors).*value) : Json(nullptr);
+  };
+  add("position_rmse_m", &TrackErrors::position_rmse_m);
+  add("position_mae_m", &TrackErrors::position_mae_m);
+  add("position_max_m", &TrackErrors::position_max_m);
+  add("position_p95_m", &TrackErrors::position_p95_m);
+  add("heading_rmse_rad", &TrackErrors::heading_rmse_rad);
+  add("heading_mae_rad", &TrackErrors::heading_mae_rad);
+  add("heading_max_rad", &TrackErrors::heading_max_rad);
+  json["compared_with_truth"] = errors ? Json(errors->compared) : Json(nullptr);
+  json["without_truth"] = errors ? Json(errors->without_truth) : Json(nullptr);
+}
+
+Json relations_json(const std::optional<RelationErrors>& errors) {
+  if (!errors) return nullptr;
+  const bool known = errors->compared > 0;
+  const auto value = [&](double v) { return known ? Json(v) : Json(nullptr); };
+  return {{"compared", errors->compared},
+          {"without_pose", errors->without_pose},
+          {"translation_mean_m", value(errors->translation_mean_m)},
+          {"translation_std_m", value(errors->translation_std_m)},
+          {"rotation_mean_rad", value(errors->rotation_mean_rad)},
+          {"rotation_std_rad", value(errors->rotation_std_rad)}};
+}
+
+/// Counted troubles by name, for people and for JSON.
+std::vector<std::pair<const char*, std::size_t>> counted(const Localization& run) {
+  return {{"broken_lines", run.warnings.broken_lines},
+          {"backward_stamps", run.warnings.backward_stamps},
+          {"beam_count_changes", run.warnings.beam_count_changes},
+          {"unknown_messages", run.warnings.unknown_messages},
+          {"odometry_jumps", run.odometry_jumps},
+          {"lost_steps", run.lost_steps}};
+}
+
+std::vector<std::pair<const char*, std::size_t>> rejected(const BeamCounts& beams) {
+  return {{"nan", beams.nan},
+          {"infinite", beams.infinite},
+          {"negative", beams.negative},
+          {"zero", beams.zero},
+          {"below_min", beams.below_min}};
+}
+
+std::string position_text(const TrackErrors& e) {
+  return fmt::format("mean {:.3f} m, RMSE {:.3f} m, 95 % {:.3f} m, maximum {:.3f} m", e.position_mae_m,
+                     e.position_rmse_m, e.position_p95_m, e.position_max_m);
+}
+std::string heading_text(const TrackErrors& e) {
+  return fmt::format("mean {:.2f}, RMSE {:.2f}, maximum {:.2f} degrees", e.heading_mae_rad * kDegrees,
+                     e.heading_rmse_rad * kDegrees, e.heading_max_rad * kDegrees);
+}
+std::string relations_text(const RelationErrors& e) {
+  return fmt::format("{:.3f} +- {:.3f} m, {:.2f} +- {:.2f} degrees, from {}", e.translation_mean_m,
+                     e.translation_std_m, e.rotation_mean_rad * kDegrees, e.rotation_std_rad * kDegrees,
+                     e.compared);
+}
+std::string speed_text(const Localization& run) {
+  const StepTimes times = step_times(run.steps);
+  std::string text = fmt::format("{:.2f} s for {:.2f} s of log ({:.1f} times real time)", run.wall_s,
+                                 run.log_s, run.real_time_factor());
+  if (std::isfinite(times.median_ms)) {
+    text += fmt::format(", a step {:.2f} ms (p99 {:.2f} ms)", times.median_ms, times.p99_ms);
+  }
+  return text;
+}
+std::string beams_text(const BeamCounts& beams) {
+  std::string text = fmt::format("{} used of {}", beams.used, beams.considered);
+  if (beams.misses > 0) text += fmt::format(", {} without return", beams.misses);
+  for (const auto& [reason, count] : rejected(beams)) {
+    if (count > 0) text += fmt::format(", {} {}", count, reason);
+  }
+  return text;
+}
+
+/// What the report's first table and the summary on the terminal both say.
+std::vector<Fact> main_facts(const RunResults& results) {
+  const Localization& run = results.run;
+  std::vector<Fact> facts;
+  facts.push_back({"scans", fmt::format("{}{}", run.scans, run.interrupted ? " (interrupted)" : "")});
+  if (results.errors && results.errors->compared > 0) {
+    facts.push_back({"position error", position_text(*results.errors)});
+    facts.push_back({"heading error", heading_text(*results.errors)});
+  }
+  if (results.errors && results.errors->without_truth > 0) {
+    facts.push_back({"no truth for", fmt::format("{} scans", results.errors->without_truth)});
+  }
+  if (results.relations && results.relations->compared > 0) {
+    facts.push_back({"relation error", relations_text(*results.relations)});
+  }
+  facts.push_back({"time", speed_text(run)});
+  facts.push_back({"beams", beams_text(run.beams)});
+  facts.push_back({"backend", run.backend});
+  facts.push_back({"digest", run.digest});
+  return facts;
+}
+
+/// One line per kind of trouble, then the reader's own words on the first few.
+std::vector<std::string> warning_lines(const Localization& run) {
+  std::vector<std::string> lines;
+  const auto add = [&](std::size_t count, const char* what) {
+    if (count > 0) lines.push_back(fmt::format("{} {}", count, what));
+  };
+  add(run.warnings.broken_lines, "broken lines were skipped");
+  add(run.warnings.backward_stamps, "scans go back in time; the order of the file was kept");
+  add(run.warnings.beam_count_changes, "scans have another number of beams than the one before");
+  add(run.odometry_jumps, "jumps of the odometry");
+  add(run.lost_steps, "steps in which no particle fitted the scan");
+  lines.insert(lines.end(), run.warnings.messages.begin(), run.warnings.messages.end());
+  return lines;
+}
+
+FactTable config_facts(const FilterConfig& config) {
+  FactTable table{"Configuration", {}};
+  const Json json = config_json(config);  // items() refers to it
+  for (const auto& [key, value] : json.items()) {
+    if (!value.is_object()) {
+      table.facts.push_back({key, value.is_string() ? value.get<std::string>() : value.dump()});
+      continue;
+    }
+    for (const auto& [inner, v] : value.items()) {
+      table.facts.push_back({key + "." + inner, v.is_string() ? v.get<std::string>() : v.dump()});
+    }
+  }
+  return table;
+}
+
+FactTable map_facts(const RunResults& results, const GridMap& map) {
+  return {"Input",
+          {{"map", fmt::format("{}: {} x {} cells of {} m", results.map_path, map.width, map.height,
+                               map.resolution_m)},
+           {"log", results.log_path},
+           {"truth", results.truth_path.empty() ? "none" : results.truth_path},
+           {"start", results.init}}};
+}
+
+}  // namespace
+
+std::string metrics_json(const RunResults& results) {
+  const Localization& run = results.run;
+  Json json;
+  json["parloc"] = PARLOC_VERSION;
+  add_track_errors(json, results.errors);
+  json["relations"] = relations_json(results.relations);
+  json["steps"] = run.filter_steps;
+  json["scans"] = run.scans;
+  json["interrupted"] = run.interrupted;
+  json["wall_s"] = run.wall_s;
+  json["log_s"] = run.log_s;
+  const StepTimes times = step_times(run.steps);
+  json["step_ms_median"] = times.median_ms;  // NaN is written as null
+  json["step_ms_p99"] = times.p99_ms;
+  json["real_time_factor"] = run.real_time_factor();
+  json["beams_total"] = run.beams.total;
+  json["beams_considered"] = run.beams.considered;
+  json["beams_used"] = run.beams.used;
+  json["beams_without_return"] = run.beams.misses;
+  for (const auto& [reason, count] : rejected(run.beams)) json["beams_rejected"][reason] = count;
+  for (const auto& [what, count] : counted(run)) json["warnings"][what] = count;
+  json["warnings"]["messages"] = run.warnings.messages;
+  json["backend"] = run.backend;
+  json["seed"] = run.config.seed;
+  json["digest"] = run.digest;
+  json["map"] = results.map_path;
+  json["log"] = results.log_path;
+  json["truth"] = results.truth_path.empty() ? Json(nullptr) : Json(results.truth_path);
+  json["init"] = results.init;
+  json["command"] = results.command_line;
+  json["config"] = config_json(run.config);
+  // File names need not be UTF-8, JSON must be.
+  return json.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
+}
+
+RunReport run_report(const RunResults& results, const GridMap& map) {
+  const Localization& run = results.run;
+  RunReport report;
+  report.title = fmt::format("{} on {}", results.log_path, results.map_path);
+  report.command_line = results.command_line;
+  report.summary = main_facts(results);
+  report.details = {map_facts(results, map), config_facts(run.config)};
+  report.warnings = warning_lines(run);
+  report.map = &map;
+  report.estimate = run.trajectory;
+  if (!results.truth.empty()) report.truth = results.truth;
+  report.odometry = run.odometry;
+  report.errors = results.errors;
+  report.steps = run.steps;
+  report.particles = static_cast<double>(run.config.particles);
+  report.resample_below = run.config.resample.threshold * report.particles;
+  report.snapshots = run.snapshots;
+  return report;
+}
+
+std::string run_summary(const RunResults& results) {
+  std::string text;
+  for (const Fact& fact : main_facts(results)) text += fmt::format("{:<16}{}\n", fact.key, fact.value);
+  const std::vector<std::string> warnings = warning_lines(results.run);
+  constexpr std::size_t most = 8;
+  for (std::size_t i = 0; i < warnings.size() && i < most; ++i) {
+    text += fmt::format("{:<16}{}\n", "warning", warnings[i]);
+  }
+  if (warnings.size() > most)
+    text += fmt::format("{:<16}{} more in metrics.json\n", "warning", warnings.size() - most);
+  return text;
+}
+
+}  // namespace parloc::tools

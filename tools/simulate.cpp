@@ -1,0 +1,98 @@
+// parloc simulate: a log with noise, and the truth beside it.
+#include <fmt/format.h>
+
+#include <CLI/CLI.hpp>
+#include <cstdint>
+#include <cstdio>
+#include <memory>
+#include <optional>
+#include <string>
+
+#include "common/error.h"
+#include "common/eval/scenario.h"
+#include "common/eval/simulator.h"
+#include "common/io/output_file.h"
+#include "common/io/trajectory.h"
+#include "common/map/map_reader.h"
+#include "tools/commands.h"
+#include "tools/interrupt.h"
+#include "tools/output_folder.h"
+#include "tools/progress.h"
+
+namespace parloc::tools {
+namespace {
+
+struct SimulateOptions {
+  std::string scenario, map, path;
+  std::string out = "parloc_simulated";
+  std::optional<std::uint64_t> seed;
+  bool quiet = false;
+};
+
+void declare(CLI::App& app, SimulateOptions& o) {
+  app.add_option("--scenario", o.scenario, "LiDAR, odometry, map and path")->type_name("S.yaml");
+  app.add_option("--map", o.map, "Cast rays against this map instead")->type_name("M.yaml");
+  app.add_option("--path", o.path, "Drive this path of waypoints instead")->type_name("P.yaml");
+  app.add_option("--seed", o.seed, "Same seed, same log")->type_name("S");
+  app.add_option("--out", o.out, "Folder for the log (parloc_simulated)")->type_name("DIR");
+  app.add_flag("--quiet", o.quiet, "No progress and no summary");
+  app.footer(
+      "Without a scenario, --map and --path are needed; examples: configs/*_scenario.yaml.\n"
+      "Writes scans.log (CARMEN) and truth.tum. docs/simulator.md explains scenarios and paths.");
+}
+
+Scenario effective_scenario(const SimulateOptions& o) {
+  if (o.scenario.empty() && (o.map.empty() || o.path.empty())) {
+    throw Error(ErrorKind::usage, "simulate: give --scenario, or --map and --path");
+  }
+  Scenario scenario = o.scenario.empty() ? Scenario{} : read_scenario(o.scenario);
+  if (!o.map.empty()) scenario.map_path = scenario.localization_map_path = o.map;
+  if (!o.path.empty()) {
+    scenario.path_file = o.path;
+    scenario.path = read_waypoints(o.path);
+  }
+  if (o.seed) scenario.seed = *o.seed;
+  return scenario;
+}
+
+SimulatedLog simulate_with_progress(const Scenario& scenario, const GridMap& map, bool quiet) {
+  Progress progress(Progress::style_here(quiet));
+  return simulate(scenario, map, [&](double fraction) {
+    progress.update(fraction);
+    return !interrupted();
+  });
+}
+
+int run(const SimulateOptions& o) {
+  const Scenario scenario = effective_scenario(o);
+  const GridMap map = read_map(scenario.map_path);
+  OutputFolder out(o.out, {"scans.log", "truth.tum"});
+  catch_interrupts();
+  const SimulatedLog log = simulate_with_progress(scenario, map, o.quiet);
+  replace_file(out.staged("scans.log"), carmen_text(log));
+  write_tum(out.staged("truth.tum"), log.truth);
+  out.publish();
+  const int code = interrupted() ? kExitInterrupted : 0;
+  if (o.quiet) return code;
+  fmt::print("{:<12}{:.1f} m in {:.1f} s, {} scans, seed {}\n", "drive", log.path_length_m, log.duration_s,
+             log.truth.size(), scenario.seed);
+  fmt::print("{:<12}{} of {} hit, {} without a wall in reach, {} dropped out\n", "beams", log.hits, log.beams,
+             log.over_range, log.dropouts);
+  fmt::print("{:<12}{} (beside it: truth.tum)\n", "log", out.final_path("scans.log"));
+  if (!scenario.localization_map_path.empty()) {
+    fmt::print("{:<12}parloc run --map {} --log {} --truth {}\n", "localize it",
+               scenario.localization_map_path, out.final_path("scans.log"), out.final_path("truth.tum"));
+  }
+  return code;
+}
+
+}  // namespace
+
+Command add_simulate_command(CLI::App& program) {
+  CLI::App* app = program.add_subcommand("simulate", "Make a log with exact truth from a map and a path");
+  const auto options = std::make_shared<SimulateOptions>();
+  declare(*app, *options);
+  return {app, [options] { return run(*options); }};
+}
+
+}  // namespace parloc::tools

@@ -1,0 +1,30 @@
+// Where a run starts: --init.
+#pragma once
+
+#include <optional>
+#include <string>
+
+#include "common/filter/config.h"
+#include "common/io/trajectory.h"
+#include "common/math/pose.h"
+
+namespace parloc::tools {
+
+/// A Gaussian about a pose of the map frame, or anywhere on the map's free cells.
+struct StartPose {
+  bool anywhere = false;
+  Pose pose;
+  double sigma_x_m = 0.0, sigma_y_m = 0.0, sigma_theta_rad = 0.0;
+};
+
+/// "global", "x,y,theta" or "x,y,theta,sx,sy,st" in metres and radians; sigmas not given come from the
+/// configuration. Throws Error{usage} for anything else, for values that are not finite, a theta beyond one
+/// turn (degrees?) and sigmas below 0.
+StartPose parse_start_pose(const std::string& text, const FilterConfig& config);
+
+/// The truth's pose nearest in time to `stamp_s` (the first of equals), with the configuration's sigmas.
+/// Throws Error{input} if none is within max_gap_s: the truth is then that of another log.
+StartPose start_from_truth(const Trajectory& truth, double stamp_s, const FilterConfig& config,
+                           double max_gap_s = 1.5);
+
+}  // namespace parloc::tools
