@@ -1,4 +1,4 @@
-// Everything that parloc offers to other programs: #include <parloc/parloc.h> (docs/library.md).
+// Everything that parloc offers to other programs: #include <parloc/parloc.h> (docs/building.md).
 #pragma once
 
 #include "common/error.h"

@@ -35,7 +35,7 @@ std::vector<std::uint32_t> squared_distance_field(const std::uint8_t* is_source,
   std::vector<std::uint32_t> field(static_cast<std::size_t>(width) * static_cast<std::size_t>(height));
   const std::int32_t strips = (width + kStripColumns - 1) / kStripColumns;
 
-#pragma omp parallel for num_threads(threads) schedule(static)
+#pragma omp parallel for num_threads(threads) schedule(dynamic)
   for (std::int32_t s = 0; s < strips; ++s) {
     const std::int32_t first = s * kStripColumns;
     const std::int32_t columns = std::min(kStripColumns, width - first);
@@ -43,7 +43,7 @@ std::vector<std::uint32_t> squared_distance_field(const std::uint8_t* is_source,
   }
 
   std::vector<RowParabola> scratch(static_cast<std::size_t>(width) * static_cast<std::size_t>(threads));
-#pragma omp parallel for num_threads(threads) schedule(static)
+#pragma omp parallel for num_threads(threads) schedule(dynamic, 16)
   for (std::int32_t j = 0; j < height; ++j) {
     row_squared_distances(field.data() + j * stride, width,
                           scratch.data() + static_cast<std::size_t>(omp_get_thread_num()) * stride);

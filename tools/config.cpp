@@ -6,13 +6,14 @@
 
 #include "common/io/config.h"
 #include "tools/commands.h"
+#include "tools/text_option.h"
 
 namespace parloc::tools {
 
 Command add_config_command(CLI::App& program) {
   CLI::App* app = program.add_subcommand("config", "Print the effective configuration, with every default");
   const auto path = std::make_shared<std::string>();
-  app->add_option("--config", *path, "Configuration to read over the defaults")->type_name("C.yaml");
+  add_text_option(*app, "--config", *path, "C.yaml", "Configuration to read over the defaults");
   return {app, [path] {
             const FilterConfig config = path->empty() ? FilterConfig{} : read_config(*path);
             std::fputs(config_to_yaml(config).c_str(), stdout);

@@ -9,8 +9,7 @@
 namespace parloc::tools {
 
 Command add_devices_command(CLI::App& program) {
-  CLI::App* app =
-      program.add_subcommand("devices", "List the CPU and CUDA devices that parloc can run on here");
+  CLI::App* app = program.add_subcommand("devices", "List the CPU and the CUDA devices that parloc can use");
   return {app, [] {
             for (const std::string& line : describe_devices()) std::printf("%s\n", line.c_str());
             return 0;

@@ -511,10 +511,10 @@ def main():
     arguments = parser.parse_args()
     (arguments.out / "logs").mkdir(parents=True, exist_ok=True)
     export("malaga_corridor", "localization_demo.simplemap.gz", "localization_demo.rawlog",
-           "Corridor of a faculty in Malaga, 19 January 2006", arguments.out, arguments.pictures)
+           "Corridor in Malaga, 19 January 2006", arguments.out, arguments.pictures)
     export("malaga_faculty", "malaga-cs-fac-building.simplemap.gz",
            "2006-01ENE-21-SENA_Telecom Faculty_one_loop_only.rawlog",
-           "Faculty building in Malaga, 21 January 2006", arguments.out, arguments.pictures)
+           "Telecom Faculty in Malaga, 21 January 2006", arguments.out, arguments.pictures)
 
 
 if __name__ == "__main__":

@@ -49,7 +49,8 @@ int run_program(int argc, char** argv) {
   CLI::App program("Localizes a mobile robot with a 2D LiDAR on a known map.", "parloc");
   program.set_version_flag("--version", "parloc " PARLOC_VERSION);
   program.require_subcommand(1);
-  program.get_formatter()->column_width(22);
+  program.get_formatter()->column_width(26);
+  program.get_formatter()->label("REQUIRED", "(needed)");
   program.footer("parloc COMMAND --help explains a command. Exit codes: docs/exit_codes.md");
   const std::vector<Command> commands{add_run_command(program, typed_command(argc, argv)),
                                       add_simulate_command(program), add_map_command(program),

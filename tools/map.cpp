@@ -11,6 +11,7 @@
 #include "common/map/grid_map.h"
 #include "common/map/map_reader.h"
 #include "tools/commands.h"
+#include "tools/text_option.h"
 
 namespace parloc::tools {
 namespace {
@@ -49,7 +50,7 @@ Command add_map_command(CLI::App& program) {
   app->require_subcommand(1);
   CLI::App* info = app->add_subcommand("info", "Print a map's size, place and contents");
   const auto path = std::make_shared<std::string>();
-  info->add_option("MAP", *path, "ROS map_server YAML")->required();
+  add_text_option(*info, "MAP", *path, "M.yaml", "ROS map_server YAML")->required();
   return {app, [path] {
             print_info(read_map(*path));
             return 0;

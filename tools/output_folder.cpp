@@ -37,6 +37,7 @@ std::vector<std::string> missing_folders(const fs::path& path) {
 
 OutputFolder::OutputFolder(const std::string& folder, std::vector<std::string> files)
     : folder_(folder), files_(std::move(files)) {
+  while (folder_.size() > 1 && folder_.back() == '/') folder_.pop_back();
   created_ = missing_folders(folder_);
   std::error_code error;
   fs::create_directories(folder_, error);

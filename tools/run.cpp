@@ -5,7 +5,6 @@
 #include <algorithm>
 #include <cstdio>
 #include <memory>
-#include <optional>
 #include <string>
 
 #include "common/error.h"
@@ -19,36 +18,34 @@
 #include "tools/interrupt.h"
 #include "tools/localize_log.h"
 #include "tools/output_folder.h"
+#include "tools/parse_number.h"
 #include "tools/progress.h"
 #include "tools/run_results.h"
+#include "tools/text_option.h"
 
 namespace parloc::tools {
 namespace {
 
 /// The command line; what was not given is empty.
 struct RunOptions {
-  std::string map, log, truth, relations, config, init, backend;
+  std::string map, log, truth, relations, config, init, backend, particles, beams, seed, threads;
   std::string out = "parloc_out";
-  std::optional<std::int64_t> particles;
-  std::optional<int> beams, threads;
-  std::optional<std::uint64_t> seed;
   bool strict = false, json = false, quiet = false;
 };
 
 void declare(CLI::App& app, RunOptions& o) {
-  app.add_option("--map", o.map, "ROS map_server YAML")->required()->type_name("M.yaml");
-  app.add_option("--log", o.log, "CARMEN log, plain or gzip")->required()->type_name("LOG");
-  app.add_option("--truth", o.truth, "True trajectory, TUM format")->type_name("T.tum");
-  app.add_option("--relations", o.relations, "True relations between scans")->type_name("R.txt");
-  app.add_option("--config", o.config, "Settings over the defaults")->type_name("C.yaml");
-  app.add_option("--init", o.init, "x,y,theta[,sx,sy,st] in m and rad, or global; else truth")
-      ->type_name("START");
-  app.add_option("--out", o.out, "Folder for the results (parloc_out)")->type_name("DIR");
-  app.add_option("--backend", o.backend, "auto, cpu or cuda")->type_name("WHICH");
-  app.add_option("--particles", o.particles, "1 to 16777216")->type_name("N");
-  app.add_option("--beams", o.beams, "Beams used of a scan, 1 to 4096")->type_name("B");
-  app.add_option("--seed", o.seed, "Same seed, same answer")->type_name("S");
-  app.add_option("--threads", o.threads, "CPU threads; 0: all cores")->type_name("K");
+  add_text_option(app, "--map", o.map, "M.yaml", "ROS map_server YAML")->required();
+  add_text_option(app, "--log", o.log, "LOG", "CARMEN log, plain or gzip")->required();
+  add_text_option(app, "--truth", o.truth, "T.tum", "True trajectory, TUM format");
+  add_text_option(app, "--relations", o.relations, "R.txt", "True relations between scans");
+  add_text_option(app, "--config", o.config, "C.yaml", "Settings over the defaults");
+  add_text_option(app, "--init", o.init, "START", "x,y,theta[,sx,sy,st] (m, rad) or global; else truth");
+  add_text_option(app, "--out", o.out, "DIR", "Folder for the results (parloc_out)");
+  add_text_option(app, "--backend", o.backend, "WHICH", "auto, cpu or cuda");
+  add_text_option(app, "--particles", o.particles, "N", "1 to 16777216");
+  add_text_option(app, "--beams", o.beams, "B", "Beams used of a scan, 1 to 4096");
+  add_text_option(app, "--seed", o.seed, "S", "Same seed, same answer");
+  add_text_option(app, "--threads", o.threads, "K", "CPU threads; 0: all cores");
   app.add_flag("--strict", o.strict, "A broken line or beam ends the run");
   app.add_flag("--json", o.json, "Print the metrics alone, as JSON");
   app.add_flag("--quiet", o.quiet, "No progress and no summary");
@@ -64,13 +61,14 @@ BackendChoice backend_choice(const std::string& name) {
 /// The configuration file with the command line on top.
 FilterConfig effective_config(const RunOptions& o) {
   FilterConfig config = o.config.empty() ? FilterConfig{} : read_config(o.config);
-  if (o.particles) config.particles = *o.particles;
-  if (o.beams) {
-    config.scan.max_beams = *o.beams;
-    config.scan.min_beams = std::min(config.scan.min_beams, *o.beams);  // so few beams are meant to be used
+  if (!o.particles.empty()) config.particles = parse_whole_number<std::int64_t>("--particles", o.particles);
+  if (!o.seed.empty()) config.seed = parse_whole_number<std::uint64_t>("--seed", o.seed);
+  if (!o.threads.empty()) config.threads = parse_whole_number<int>("--threads", o.threads);
+  if (!o.beams.empty()) {
+    config.scan.max_beams = parse_whole_number<int>("--beams", o.beams);
+    config.scan.min_beams =
+        std::min(config.scan.min_beams, config.scan.max_beams);  // so few are meant to be used
   }
-  if (o.seed) config.seed = *o.seed;
-  if (o.threads) config.threads = *o.threads;
   if (!o.backend.empty()) config.backend = backend_choice(o.backend);
   try {
     validate(config);

@@ -5,7 +5,6 @@
 #include <cstdint>
 #include <cstdio>
 #include <memory>
-#include <optional>
 #include <string>
 
 #include "common/error.h"
@@ -17,28 +16,29 @@
 #include "tools/commands.h"
 #include "tools/interrupt.h"
 #include "tools/output_folder.h"
+#include "tools/parse_number.h"
 #include "tools/progress.h"
+#include "tools/text_option.h"
 
 namespace parloc::tools {
 namespace {
 
 struct SimulateOptions {
-  std::string scenario, map, path;
+  std::string scenario, map, path, seed;
   std::string out = "parloc_simulated";
-  std::optional<std::uint64_t> seed;
   bool quiet = false;
 };
 
 void declare(CLI::App& app, SimulateOptions& o) {
-  app.add_option("--scenario", o.scenario, "LiDAR, odometry, map and path")->type_name("S.yaml");
-  app.add_option("--map", o.map, "Cast rays against this map instead")->type_name("M.yaml");
-  app.add_option("--path", o.path, "Drive this path of waypoints instead")->type_name("P.yaml");
-  app.add_option("--seed", o.seed, "Same seed, same log")->type_name("S");
-  app.add_option("--out", o.out, "Folder for the log (parloc_simulated)")->type_name("DIR");
+  add_text_option(app, "--scenario", o.scenario, "S.yaml", "LiDAR, odometry, map and path");
+  add_text_option(app, "--map", o.map, "M.yaml", "Cast rays against this map instead");
+  add_text_option(app, "--path", o.path, "P.yaml", "Drive this path of waypoints instead");
+  add_text_option(app, "--seed", o.seed, "S", "Same seed, same log");
+  add_text_option(app, "--out", o.out, "DIR", "Folder for the log (parloc_simulated)");
   app.add_flag("--quiet", o.quiet, "No progress and no summary");
   app.footer(
-      "Without a scenario, --map and --path are needed; examples: configs/*_scenario.yaml.\n"
-      "Writes scans.log (CARMEN) and truth.tum. docs/simulator.md explains scenarios and paths.");
+      "Writes scans.log (CARMEN) and truth.tum. Without a scenario, --map and --path\n"
+      "are needed; examples: configs/*_scenario.yaml, explained in docs/simulator.md.");
 }
 
 Scenario effective_scenario(const SimulateOptions& o) {
@@ -51,7 +51,7 @@ Scenario effective_scenario(const SimulateOptions& o) {
     scenario.path_file = o.path;
     scenario.path = read_waypoints(o.path);
   }
-  if (o.seed) scenario.seed = *o.seed;
+  if (!o.seed.empty()) scenario.seed = parse_whole_number<std::uint64_t>("--seed", o.seed);
   return scenario;
 }
 

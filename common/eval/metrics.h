@@ -16,11 +16,13 @@ struct TrackErrors {
   double position_rmse_m = 0, position_mae_m = 0, position_max_m = 0, position_p95_m = 0;
   double heading_rmse_rad = 0, heading_mae_rad = 0, heading_max_rad = 0;
   double x_rmse_m = 0, y_rmse_m = 0;
-  std::vector<double> stamp_s, x_error_m, y_error_m, position_error_m, heading_error_rad;  ///< Per compared estimate.
+  std::vector<double> stamp_s, x_error_m, y_error_m, position_error_m,
+      heading_error_rad;  ///< Per compared estimate.
 };
 
-/// The truth at the stamp of each estimate: the row of the exact stamp if there is one, else interpolated between the
-/// rows around it in time order when they are at most max_gap_s apart (x, y linear; heading along the shortest arc).
+/// The truth at the stamp of each estimate: the row of the exact stamp if there is one, else interpolated
+/// between the rows around it in time order when they are at most max_gap_s apart (x, y linear; heading along
+/// the shortest arc).
 TrackErrors compare_tracks(const Trajectory& estimate, const Trajectory& truth, double max_gap_s = 1.5);
 
 /// One relation: the pose at stamp_2 in the frame of the pose at stamp_1.
@@ -35,7 +37,8 @@ struct RelationErrors {
   std::size_t compared = 0, without_pose = 0;
   double translation_mean_m = 0, translation_std_m = 0, rotation_mean_rad = 0, rotation_std_rad = 0;
 };
-/// Kuemmerle et al. 2009: ((x_j - x_i) - delta_ij), stamps matched exactly to 6 decimals. Mean and population std.
+/// Kuemmerle et al. 2009: ((x_j - x_i) - delta_ij), stamps matched exactly to 6 decimals. Mean and population
+/// std.
 RelationErrors compare_relations(const Trajectory& estimate, const std::vector<Relation>& relations);
 
 }  // namespace parloc

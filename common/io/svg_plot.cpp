@@ -196,6 +196,12 @@ void append_path(std::string& html, const std::string& classes, const std::strin
   if (!d.empty()) fmt::format_to(std::back_inserter(html), "<path class=\"{}\" d=\"{}\"/>", classes, d);
 }
 
+/// What a reader must know about the vertical axis.
+std::string remark(const ValueAxis& axis) {
+  if (axis.logarithmic) return ", logarithmic";
+  return axis.cut_off > 0.0 ? ", peaks up to " + number_text(axis.cut_off, 2) : "";
+}
+
 std::string legend(const Plot& plot) {
   std::string html;
   const auto add = [&](const std::string& kind, const std::string& colour, const std::string& label) {
@@ -299,8 +305,8 @@ std::string render_plot(const Plot& plot, const TimeAxis& axis) {
   const std::vector<Tick> x_ticks = linear_ticks(0.0, x_span, 6);
 
   std::string html = "<figure class=\"plot\"><figcaption><b>" + escape_html(plot.title) + "</b> [" +
-                     escape_html(plot.unit) + (value.logarithmic ? ", logarithmic" : "") + "]" +
-                     legend(plot) + "</figcaption><div class=\"axes\"><div class=\"y\">";
+                     escape_html(plot.unit) + remark(value) + "]" + legend(plot) +
+                     "</figcaption><div class=\"axes\"><div class=\"y\">";
   auto out = std::back_inserter(html);
   for (const Tick& t : y_ticks) {
     fmt::format_to(out, "<span style=\"top:{:.2f}%\">{}</span>", 100 * value.y(t.value) / plot_height,

@@ -1,17 +1,14 @@
 #include "common/io/trajectory.h"
 
 #include <fmt/format.h>
-#include <unistd.h>
 
 #include <cmath>
-#include <cstdio>
-#include <filesystem>
-#include <fstream>
 #include <string_view>
 #include <utility>
 
 #include "common/error.h"
 #include "common/io/line_reader.h"
+#include "common/io/output_file.h"
 #include "common/io/text_fields.h"
 #include "common/math/portable64.h"
 
@@ -81,22 +78,7 @@ void write_tum(const std::string& path, const Trajectory& trajectory) {
     text += fmt::format("{:.6f} {:.6f} {:.6f} 0 0 0 {:.9f} {:.9f}\n", stamp_s, pose.x_m, pose.y_m, half.sin,
                         half.cos);
   }
-  // Beside the target, so that the rename stays within one file system; the process's number keeps two runs
-  // apart.
-  const std::string temporary = fmt::format("{}.{}.tmp", path, getpid());
-  std::ofstream file(temporary, std::ios::binary);
-  file << text;
-  file.close();
-  if (!file) {
-    std::remove(temporary.c_str());
-    throw Error(ErrorKind::output, path + ": cannot be written");
-  }
-  std::error_code error;
-  std::filesystem::rename(temporary, path, error);
-  if (error) {
-    std::remove(temporary.c_str());
-    throw Error(ErrorKind::output, path + ": cannot be written: " + error.message());
-  }
+  replace_file(path, text);
 }
 
 }  // namespace parloc

@@ -1,6 +1,7 @@
 #include "common/io/yaml_section.h"
 
 #include <fmt/format.h>
+#include <yaml-cpp/eventhandler.h>
 #include <yaml-cpp/yaml.h>
 
 #include <algorithm>
@@ -9,6 +10,7 @@
 #include <cmath>
 #include <cstring>
 #include <fstream>
+#include <sstream>
 
 #include "common/io/nearest_name.h"
 
@@ -51,6 +53,49 @@ bool parse_scalar(const YAML::Node& node, Number& value) {
   return status == std::errc() && end == text.data() + text.size();
 }
 
+/// Looks at a text before nodes are made of it: aliases can make a small text large, or refer to themselves.
+class StructureCheck : public YAML::EventHandler {
+ public:
+  explicit StructureCheck(const std::string& file) : file_(file) {}
+  void OnDocumentStart(const YAML::Mark& mark) override {
+    // Also what ends yaml-cpp's reading of ", 0], x": it finds empty documents there for ever.
+    if (++documents_ > 1)
+      throw config_error(file_, line_of(mark), "expected one document, found a second one");
+  }
+  void OnDocumentEnd() override {}
+  void OnNull(const YAML::Mark& mark, YAML::anchor_t anchor) override { refuse(mark, anchor); }
+  void OnAlias(const YAML::Mark& mark, YAML::anchor_t anchor) override { refuse(mark, anchor); }
+  void OnScalar(const YAML::Mark& mark, const std::string&, YAML::anchor_t anchor,
+                const std::string&) override {
+    refuse(mark, anchor);
+  }
+  void OnSequenceStart(const YAML::Mark& mark, const std::string&, YAML::anchor_t anchor,
+                       YAML::EmitterStyle::value) override {
+    enter(mark, anchor);
+  }
+  void OnSequenceEnd() override { --depth_; }
+  void OnMapStart(const YAML::Mark& mark, const std::string&, YAML::anchor_t anchor,
+                  YAML::EmitterStyle::value) override {
+    enter(mark, anchor);
+  }
+  void OnMapEnd() override { --depth_; }
+
+ private:
+  void refuse(const YAML::Mark& mark, YAML::anchor_t anchor) const {
+    if (anchor != 0)
+      throw config_error(file_, line_of(mark), "anchors and aliases ('&name', '*name') are not allowed");
+  }
+  void enter(const YAML::Mark& mark, YAML::anchor_t anchor) {
+    refuse(mark, anchor);
+    constexpr int deepest = 8;
+    if (++depth_ > deepest) throw config_error(file_, line_of(mark), "nested too deeply");
+  }
+
+  const std::string& file_;
+  int depth_ = 0;
+  int documents_ = 0;
+};
+
 std::string joined(const std::vector<std::string>& names) {
   std::string text = names[0];
   for (std::size_t i = 1; i < names.size(); ++i) text += (i + 1 < names.size() ? ", " : " or ") + names[i];
@@ -71,11 +116,12 @@ double number_of(const YAML::Node& node, const std::string& file, const std::str
 YAML::Node yaml_document(const std::string& text, const std::string& file) {
   if (text.size() > kLongestText) throw config_error(file, 0, "expected at most 1 MiB of YAML");
   try {
-    const std::vector<YAML::Node> documents = YAML::LoadAll(text);
-    if (documents.size() != 1) {
-      throw config_error(file, 0, fmt::format("expected one YAML document, found {}", documents.size()));
+    std::istringstream stream(text);
+    YAML::Parser parser(stream);
+    StructureCheck check(file);
+    while (parser.HandleNextDocument(check)) {
     }
-    return documents[0];
+    return YAML::Load(text);
   } catch (const YAML::Exception& e) {
     throw config_error(file, line_of(e.mark), "not valid YAML: " + printable(e.msg));
   }

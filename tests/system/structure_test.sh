@@ -1,5 +1,5 @@
 #!/usr/bin/env bash
-# The rules of the layout (docs/architecture.md), read from the sources. Usage: structure_test.sh [C++ compiler]
+# The rules of the layout, read from the sources: tools, tests -> {cpu, cuda} -> common; twins; headers; paths. Usage: structure_test.sh [C++ compiler]
 set -euo pipefail
 cd "$(dirname "$0")/../.."
 compiler=${1:-c++}
@@ -51,6 +51,14 @@ find common cpu -name '*.h' | sort | xargs -P "$(nproc)" -I{} bash -c 'check_hea
 files() { git ls-files --cached --others --exclude-standard 2> /dev/null || find . -type f -not -path './build/*' -not -path './.git/*'; }
 files | tr '\n' '\0' | xargs -0 grep -nIE '(^|[^A-Za-z0-9_.])/(work|root|home)/' 2> /dev/null |
   fail "no file names this machine's paths" || true
+
+# ---- pages that are referred to exist -----------------------------------------------------------------------------------
+files | grep -E '\.(md|h|cpp|cu|cmake|txt|sh|py|yaml)$|^(\./)?tools/' | tr '\n' '\0' | xargs -0 grep -oE 'docs/[a-z0-9_]+\.md' -h 2> /dev/null |
+  sort -u | while read -r page; do [[ -e $page ]] || echo "$page is missing"; done | fail "pages that are referred to exist"
+for page in $(files | grep -E '\.md$'); do
+  { grep -oE '\]\([^):#]+[)#]' "$page" || true; } | sed 's/^](//; s/[)#]$//' |
+    while read -r link; do [[ -e $(dirname "$page")/$link ]] || echo "$page links to $link, which is missing"; done
+done | fail "pages that are referred to exist"
 
 if [[ -s $violations ]]; then
   cat "$violations"

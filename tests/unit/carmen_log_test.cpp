@@ -11,6 +11,8 @@
 
 #include "common/error.h"
 #include "common/io/log.h"
+#include "common/io/trajectory.h"
+#include "common/map/map_reader.h"
 #include "tests/unit/real_data.h"
 #include "tests/unit/temp_file.h"
 
@@ -183,9 +185,9 @@ TEST(CarmenLog, BrokenLinesAreCountedAndDescribed) {
   EXPECT_EQ(read.warnings.messages[1], "x.log:4: expected finite odometry, found 'nan'");
 }
 
-class Broken : public ::testing::TestWithParam<const char*> {};
+class Broken : public ::testing::TestWithParam<std::string> {};
 TEST_P(Broken, LineIsSkippedAndCounted) {
-  const Read read = read_text(std::string(GetParam()) + "\n" + flaser(2));
+  const Read read = read_text(GetParam() + "\n" + flaser(2));
   EXPECT_EQ(read.records.size(), 1u);
   EXPECT_EQ(read.warnings.broken_lines, 1u);
   ASSERT_EQ(read.warnings.messages.size(), 1u);
@@ -429,6 +431,76 @@ TEST(RealLog, Tb3House) {
   EXPECT_NEAR(scan.T_base_sensor.y_m, 0.0, 2e-6);
   EXPECT_NEAR(scan.T_base_sensor.theta_rad, 0.0, 2e-6);
 }
+
+// ---- the logs that ship
+// ---------------------------------------------------------------------------------------------
+
+struct Shipped {
+  const char* name;
+  std::size_t scans;
+  double least_share;  ///< Of points within 15 m that lie on a wall, give or take a cell.
+};
+
+// The name that the list of tests shows.
+void PrintTo(const Shipped& shipped, std::ostream* out) {
+  *out << shipped.name;
+}
+
+class ShippedLog : public ::testing::TestWithParam<Shipped> {};
+
+TEST_P(ShippedLog, HasAReferenceRowPerScan) {
+  const std::string stem = std::string("maps/logs/") + GetParam().name;
+  const Read read = read_file(stem + ".log.gz");
+  const Trajectory reference = read_tum(stem + ".tum");
+  ASSERT_EQ(read.records.size(), GetParam().scans);
+  ASSERT_EQ(reference.size(), GetParam().scans);
+  EXPECT_EQ(read.warnings.broken_lines, 0u);
+  EXPECT_EQ(read.warnings.backward_stamps, 0u);
+  for (std::size_t i = 0; i < reference.size(); ++i) {
+    const Scan& scan = read.records[i].scan;
+    EXPECT_EQ(reference[i].stamp_s, scan.stamp_s);
+    ASSERT_EQ(scan.ranges_m.size(), 361u);
+    EXPECT_NEAR(scan.angle_min_rad, -M_PI / 2, 1e-8);
+    EXPECT_NEAR(scan.angle_step_rad, M_PI / 360, 1e-8);
+    EXPECT_NEAR(scan.T_base_sensor.x_m, 0.78, 2e-6);
+    EXPECT_EQ(scan.range_max_m, 80.0);
+  }
+}
+
+// Mirrored beams, a turned sensor, a half-cell shift or a flipped image would each put the scans off the
+// walls.
+TEST_P(ShippedLog, ScansLieOnTheWallsOfTheMap) {
+  const std::string name = GetParam().name;
+  const GridMap map = read_map("maps/" + name + ".yaml");
+  const Read read = read_file("maps/logs/" + name + ".log.gz");
+  const Trajectory reference = read_tum("maps/logs/" + name + ".tum");
+  std::size_t near_wall = 0, points = 0;
+  for (std::size_t i = 0; i < reference.size(); ++i) {
+    const Scan& scan = read.records[i].scan;
+    const Pose sensor = compose(reference[i].pose, scan.T_base_sensor);
+    for (std::size_t k = 0; k < scan.ranges_m.size(); ++k) {
+      const double r = scan.ranges_m[k];
+      if (r > 15.0) continue;
+      const double a = sensor.theta_rad + scan.angle_min_rad + static_cast<double>(k) * scan.angle_step_rad;
+      const double x = sensor.x_m + r * std::cos(a), y = sensor.y_m + r * std::sin(a);
+      ++points;
+      bool wall = false;
+      for (const double dx : {-0.05, 0.0, 0.05}) {
+        for (const double dy : {-0.05, 0.0, 0.05})
+          wall = wall || map.at_point(x + dx, y + dy) == Cell::occupied;
+      }
+      near_wall += wall ? 1 : 0;
+    }
+  }
+  const double share = static_cast<double>(near_wall) / static_cast<double>(points);
+  std::printf("%s: %.3f of %zu points within one cell of a wall\n", name.c_str(), share, points);
+  EXPECT_GT(share, GetParam().least_share);
+}
+
+INSTANTIATE_TEST_SUITE_P(Maps, ShippedLog,
+                         ::testing::Values(Shipped{"malaga_corridor", 37, 0.0},
+                                           Shipped{"malaga_faculty", 225, 0.0}),
+                         [](const auto& test) { return std::string(test.param.name); });
 
 }  // namespace
 }  // namespace parloc

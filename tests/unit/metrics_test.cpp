@@ -142,6 +142,11 @@ struct Named {
   std::size_t relations;
   double mean_m, std_m, rotation_deg;
 };
+// The name that the list of tests shows.
+void PrintTo(const Named& named, std::ostream* out) {
+  *out << named.folder;
+}
+
 class RealRelations : public ::testing::TestWithParam<Named> {};
 TEST_P(RealRelations, ReferenceTrajectory) {
   const Named& named = GetParam();

@@ -552,7 +552,11 @@ TEST(ScenarioReader, names_what_is_wrong_and_where) {
        "s.yaml:4: odometry.alpha1 needs form beside it"},
       {"map: a.yaml\npath: b.yaml\nseed: -1\n", "s.yaml:3: seed must be a whole number from 0"},
       {"map: [a\n", "not valid YAML"},
-      {"", "expected one YAML document, found 0"},
+      {"", "expected 'key: value' lines, got nothing"},
+      {"map: a\n---\nmap: b\n", "expected one document, found a second one"},
+      {", 0], a[1,b\n", "expected one document, found a second one"},  // yaml-cpp alone never ends here
+      {"map: &a [*a]\n", "s.yaml:1: anchors and aliases"},
+      {"[[[[[[[[[]]]]]]]]]\n", "s.yaml:1: nested too deeply"},
   };
   for (const Case& c : cases) {
     const std::string message = error_of([&] { scenario_from_text(c.text, "s.yaml"); }, ErrorKind::config);

@@ -1,0 +1,437 @@
+// The program as a person or a script meets it: exit codes, one line per error, results written whole or not
+// at all.
+#include <fcntl.h>
+#include <gtest/gtest.h>
+#include <signal.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <chrono>
+#include <filesystem>
+#include <fstream>
+#include <map>
+#include <nlohmann/json.hpp>
+#include <sstream>
+#include <string>
+#include <thread>
+#include <vector>
+
+#include "common/io/trajectory.h"
+#include "common/map/map_reader.h"
+#include "tests/unit/small_drive.h"
+
+namespace parloc {
+namespace {
+
+namespace fs = std::filesystem;
+using Json = nlohmann::json;
+using Args = std::vector<std::string>;
+
+constexpr int kScans = 40;
+
+std::string read_file(const fs::path& path) {
+  std::ifstream file(path, std::ios::binary);
+  std::ostringstream text;
+  text << file.rdbuf();
+  return text.str();
+}
+void write_file(const fs::path& path, const std::string& text) {
+  std::ofstream(path, std::ios::binary) << text;
+}
+
+struct Outcome {
+  int code = -1;  ///< -1: killed by a signal.
+  std::string out, err;
+};
+
+class Program : public testing::Test {
+ protected:
+  static void SetUpTestSuite() {
+    folder = fs::temp_directory_path() / ("parloc_program_test_" + std::to_string(getpid()));
+    fs::create_directories(folder);
+    room = test::small_room();
+    drive = test::small_drive(room, kScans);
+    write_map((folder / "room.yaml").string(), room);
+    write_file(folder / "drive.log", test::carmen_log_of(drive));
+    write_tum((folder / "truth.tum").string(), drive.truth);
+  }
+  static void TearDownTestSuite() { fs::remove_all(folder); }
+
+  static std::string path(const std::string& name) { return (folder / name).string(); }
+
+  /// Starts the program with its output going to files.
+  static pid_t start(const Args& args, const std::string& stdout_path = path("stdout")) {
+    const pid_t child = fork();
+    if (child != 0) return child;
+    signal(SIGINT, SIG_DFL);
+    const int out = open(stdout_path.c_str(), O_WRONLY | O_CREAT | O_TRUNC, 0644);
+    const int err = open(path("stderr").c_str(), O_WRONLY | O_CREAT | O_TRUNC, 0644);
+    dup2(out, STDOUT_FILENO);
+    dup2(err, STDERR_FILENO);
+    std::vector<char*> argv{const_cast<char*>(PARLOC_PROGRAM)};
+    for (const std::string& arg : args) argv.push_back(const_cast<char*>(arg.c_str()));
+    argv.push_back(nullptr);
+    execv(PARLOC_PROGRAM, argv.data());
+    _exit(127);
+  }
+  static Outcome finish(pid_t child) {
+    int status = 0;
+    waitpid(child, &status, 0);
+    return {WIFEXITED(status) ? WEXITSTATUS(status) : -1, read_file(path("stdout")),
+            read_file(path("stderr"))};
+  }
+  static Outcome call(const Args& args) { return finish(start(args)); }
+
+  /// A small `parloc run` on the room; later arguments win over none of these, so leave out what is to be
+  /// given.
+  static Args run_args(const Args& more, const std::string& log = "drive.log",
+                       const std::string& out = "out") {
+    Args args{"run", "--map", path("room.yaml"), "--log", path(log), "--out", path(out), "--backend", "cpu"};
+    args.insert(args.end(), more.begin(), more.end());
+    return args;
+  }
+  static Args with_truth(const Args& more = {}) {
+    Args args = run_args({"--truth", path("truth.tum"), "--particles", "300"});
+    args.insert(args.end(), more.begin(), more.end());
+    return args;
+  }
+
+  static inline fs::path folder;
+  static inline GridMap room;
+  static inline test::SmallDrive drive;
+};
+
+/// Name -> content of every file below a folder.
+std::map<std::string, std::string> contents(const fs::path& folder) {
+  std::map<std::string, std::string> files;
+  if (!fs::exists(folder)) return files;
+  for (const auto& entry : fs::recursive_directory_iterator(folder)) {
+    files[entry.path().string()] = entry.is_regular_file() ? read_file(entry.path()) : "";
+  }
+  return files;
+}
+
+TEST_F(Program, LocalizesAndWritesEverything) {
+  const Outcome outcome = call(with_truth());
+  ASSERT_EQ(outcome.code, 0) << outcome.err;
+  EXPECT_NE(outcome.out.find("digest"), std::string::npos) << outcome.out;
+  EXPECT_NE(outcome.out.find(path("out/report.html")), std::string::npos);
+  EXPECT_NE(outcome.err.find("100 %"), std::string::npos)
+      << outcome.err;  // plain progress lines: no terminal here
+  EXPECT_EQ(outcome.err.find('\r'), std::string::npos);
+
+  const Trajectory trajectory = read_tum(path("out/trajectory.tum"));
+  ASSERT_EQ(trajectory.size(), static_cast<std::size_t>(kScans));
+  for (int k = 0; k < kScans; ++k) EXPECT_DOUBLE_EQ(trajectory[k].stamp_s, drive.truth[k].stamp_s);
+  const std::string first_row = read_file(path("out/trajectory.tum")).substr(0, 400);
+  EXPECT_NE(first_row.find("100.000000 "), std::string::npos) << first_row;
+
+  EXPECT_EQ(read_file(path("out/picture.png")).substr(1, 3), "PNG");
+  EXPECT_NE(read_file(path("out/report.html")).find("</html>"), std::string::npos);
+  const Json metrics = Json::parse(read_file(path("out/metrics.json")));
+  EXPECT_LT(metrics.at("position_max_m").get<double>(), 0.2);  // two cells
+  EXPECT_EQ(contents(folder / "out").size(), 4u);              // nothing temporary is left
+}
+
+TEST_F(Program, JsonIsAllThatIsPrinted) {
+  Args args = with_truth({"--json", "--quiet", "--seed", "7", "--beams", "3"});
+  const Outcome outcome = call(args);
+  ASSERT_EQ(outcome.code, 0) << outcome.err;
+  EXPECT_EQ(outcome.err, "");
+  const Json metrics = Json::parse(outcome.out);
+  for (const char* key :
+       {"position_rmse_m", "position_mae_m", "position_max_m", "heading_rmse_rad", "heading_mae_rad", "steps",
+        "scans", "wall_s", "step_ms_median", "step_ms_p99", "real_time_factor", "beams_used", "seed"}) {
+    EXPECT_TRUE(metrics.at(key).is_number()) << key;
+  }
+  for (const char* reason : {"nan", "infinite", "negative", "zero", "below_min"}) {
+    EXPECT_EQ(metrics.at("beams_rejected").at(reason), 0) << reason;
+  }
+  EXPECT_EQ(metrics.at("scans"), kScans);
+  EXPECT_EQ(metrics.at("beams_used"), 3 * kScans);
+  EXPECT_EQ(metrics.at("seed"), 7);
+  EXPECT_EQ(metrics.at("config").at("scan").at("max_beams"), 3);
+  EXPECT_EQ(metrics.at("interrupted"), false);
+  EXPECT_NE(metrics.at("backend").get<std::string>().find("cpu"), std::string::npos);
+  EXPECT_EQ(metrics.at("digest").get<std::string>().size(), 64u);
+  EXPECT_TRUE(metrics.at("relations").is_null());
+}
+
+TEST_F(Program, WithoutTruthErrorsAreNull) {
+  const Outcome outcome = call(run_args({"--init", "1,1,0", "--json", "--particles", "300"}));
+  ASSERT_EQ(outcome.code, 0) << outcome.err;
+  const Json metrics = Json::parse(outcome.out);
+  EXPECT_TRUE(metrics.at("position_rmse_m").is_null());
+  EXPECT_TRUE(metrics.at("heading_mae_rad").is_null());
+}
+
+TEST_F(Program, RelationsAreCompared) {
+  const Pose delta = relative(drive.truth[20].pose, drive.truth[0].pose);
+  std::ostringstream line;
+  line.precision(9);
+  line << std::fixed << drive.truth[0].stamp_s << ' ' << drive.truth[20].stamp_s << ' ' << delta.x_m << ' '
+       << delta.y_m << " 0 0 0 " << delta.theta_rad << '\n';
+  write_file(path("relations.txt"), line.str());
+  const Outcome outcome = call(with_truth({"--relations", path("relations.txt"), "--json"}));
+  ASSERT_EQ(outcome.code, 0) << outcome.err;
+  const Json relations = Json::parse(outcome.out).at("relations");
+  EXPECT_EQ(relations.at("compared"), 1);
+  EXPECT_LT(relations.at("translation_mean_m").get<double>(), 0.2);
+}
+
+TEST_F(Program, SameSeedSameDigest) {
+  const auto digest = [&](const Args& more) {
+    const Outcome outcome = call(with_truth(more));
+    EXPECT_EQ(outcome.code, 0) << outcome.err;
+    return outcome.code == 0 ? Json::parse(outcome.out).at("digest").get<std::string>() : "";
+  };
+  const std::string one = digest({"--json", "--seed", "5", "--threads", "1"});
+  EXPECT_EQ(digest({"--json", "--seed", "5", "--threads", "2"}), one);
+  EXPECT_NE(digest({"--json", "--seed", "6", "--threads", "1"}), one);
+}
+
+TEST_F(Program, ErrorsAreOneLineAndDestroyNothing) {
+  ASSERT_EQ(call(with_truth({"--quiet"})).code, 0);
+  const auto before = contents(folder / "out");
+  write_file(path("a_file"), "");
+  write_file(path("no_scan.log"), "ODOM 0 0 0 0 0 0 1.0 host 1.0\n");
+  write_file(path("misspelt.yaml"), "particles: 5\nsensor:\n  sigma_hitt: 1\n");
+  write_file(path("type.yaml"), "particles: many\n");
+  write_file(path("value.yaml"), "sensor:\n  tempering: 7\n");
+  write_file(path("truncated.pgm"), read_file(path("room.pgm")).substr(0, 300));
+  std::string yaml = read_file(path("room.yaml"));
+  write_file(path("truncated.yaml"), yaml.replace(yaml.find("room.pgm"), 8, "truncated.pgm"));
+  write_file(path("unknown_key.yaml"), read_file(path("room.yaml")) + "colour: red\n");
+  write_file(path("late.tum"), "900.0 1 1 0 0 0 0 1\n");
+  const std::string init = "--init=1,1,0";
+  const auto on_map = [&](const std::string& map) {
+    return Args{"run", "--map", path(map), "--log", path("drive.log"), "--out", path("out"), init};
+  };
+
+  struct Case {
+    Args args;
+    int code;
+    const char* part;
+  };
+  std::vector<Case> cases{
+      {{}, 2, "--help"},
+      {{"fly"}, 2, "--help"},
+      {{"run"}, 2, "--map"},
+      {run_args({init, "--partickles", "5"}), 2, "--partickles"},
+      {run_args({init, "--particles", "0"}), 2, "particles must be 1 to 16777216, got 0"},
+      {run_args({init, "--particles", "1e6"}), 2, "--particles"},
+      {run_args({init, "--beams", "0"}), 2, "max_beams must be 1 to 4096"},
+      {run_args({init, "--seed", "-1"}), 2, "--seed: expected a whole number from 0 to"},
+      {run_args({init, "--seed", "18446744073709551616"}), 2, "--seed"},
+      {run_args({init, "--seed", ""}), 2, "--seed"},
+      {run_args({init, "--threads", "-2"}), 2, "threads must be 0 to 1024"},
+      {{"run", "--map", path("room.yaml"), "--log", path("drive.log"), init, "--backend", "gpu"},
+       2,
+       "auto, cpu or cuda"},
+      {run_args({}), 2, "--init"},
+      {run_args({"--init", "1,2"}), 2, "--init 1,2"},
+      {run_args({"--init", "nan,1,0"}), 2, "--init nan,1,0"},
+      {run_args({"--init", "-3,1,0"}), 3, "inside the map"},
+      {run_args({"--init", "60,1,0"}), 3, "inside the map"},
+      {on_map("missing.yaml"), 3, "missing.yaml"},
+      {on_map("truncated.yaml"), 3, "truncated.pgm"},
+      {on_map("unknown_key.yaml"), 3, "colour"},
+      {run_args({init}, "missing.log"), 3, "missing.log"},
+      {run_args({init}, "no_scan.log"), 3, "expected at least one scan"},
+      {run_args({init, "--truth", path("missing.tum")}), 3, "missing.tum"},
+      {run_args({"--truth", path("late.tum")}), 3, "--init"},
+      {run_args({init, "--relations", path("missing.txt")}), 3, "missing.txt"},
+      {run_args({init, "--config", path("misspelt.yaml")}), 4,
+       "misspelt.yaml:3: unknown key 'sensor.sigma_hitt'; the nearest valid key is 'sensor.sigma_hit'"},
+      {run_args({init, "--config", path("type.yaml")}), 4,
+       "type.yaml:1: particles: expected a whole number, got 'many'"},
+      {run_args({init, "--config", path("value.yaml")}), 4, "value.yaml:2: sensor.tempering must be"},
+      {run_args({init, "--config", path("none.yaml")}), 4, "none.yaml"},
+      {run_args({init}, "drive.log", "a_file"), 5, "a_file"},
+      {run_args({init}, "drive.log", "a_file/below"), 5, "a_file"},
+      {{"map", "info", path("missing.yaml")}, 3, "missing.yaml"},
+      {{"config", "--config", path("misspelt.yaml")}, 4, "sigma_hitt"},
+      {{"simulate"}, 2, "--scenario"},
+  };
+  if (call({"devices"}).out.find("cuda: not in this build") != std::string::npos) {
+    cases.push_back({{"run", "--map", path("room.yaml"), "--log", path("drive.log"), "--out", path("out"),
+                      init, "--backend", "cuda"},
+                     6,
+                     "cuda"});
+  }
+  for (const Case& c : cases) {
+    const Outcome outcome = call(c.args);
+    const std::string shown = testing::PrintToString(c.args) + "\n" + outcome.err;
+    EXPECT_EQ(outcome.code, c.code) << shown;
+    EXPECT_EQ(outcome.out, "") << shown;
+    EXPECT_EQ(outcome.err.rfind("parloc: ", 0), 0u) << shown;
+    EXPECT_EQ(std::count(outcome.err.begin(), outcome.err.end(), '\n'), 1) << shown;
+    EXPECT_NE(outcome.err.find(c.part), std::string::npos) << shown;
+  }
+  EXPECT_TRUE(contents(folder / "out") == before);
+}
+
+TEST_F(Program, AFailedRunLeavesNoFolder) {
+  EXPECT_EQ(call(run_args({"--init", "60,1,0"}, "drive.log", "new/deep/out")).code, 3);
+  EXPECT_FALSE(fs::exists(path("new")));
+}
+
+TEST_F(Program, AFolderInTheWayIsSeenBeforeTheWork) {
+  fs::create_directories(path("blocked/metrics.json"));
+  const Outcome outcome = call(run_args({"--init", "1,1,0"}, "drive.log", "blocked"));
+  EXPECT_EQ(outcome.code, 5);
+  EXPECT_NE(outcome.err.find("blocked/metrics.json"), std::string::npos) << outcome.err;
+  EXPECT_EQ(outcome.err.find('%'), std::string::npos) << outcome.err;  // no progress: no work was done
+}
+
+TEST_F(Program, StandardOutputThatIsFullIsAnError) {
+  if (!fs::exists("/dev/full")) GTEST_SKIP() << "no /dev/full";
+  const Outcome outcome = finish(start({"config"}, "/dev/full"));
+  EXPECT_EQ(outcome.code, 5) << outcome.err;
+}
+
+/// Five logs, each with one trouble, and what is counted for it.
+struct Trouble {
+  const char* name;
+  std::string log;
+  std::vector<std::string> counter;  ///< Where in metrics.json.
+};
+
+TEST_F(Program, TroublesAreCountedAndFatalWhenStrict) {
+  const auto log_with = [&](const std::function<void(std::vector<LogRecord>&)>& change) {
+    test::SmallDrive changed = drive;
+    change(changed.scans);
+    return test::carmen_log_of(changed);
+  };
+  std::string broken = test::carmen_log_of(drive);
+  broken.insert(broken.find('\n') + 1, "FLASER 3 1.0 two 3.0 0 0 0 0 0 0 1 host 1\n");
+  const std::vector<Trouble> troubles{
+      {"broken.log", broken, {"warnings", "broken_lines"}},
+      {"backward.log",
+       log_with([](auto& scans) { std::swap(scans[3], scans[4]); }),
+       {"warnings", "backward_stamps"}},
+      {"beams.log",
+       log_with([](auto& scans) { scans[5].scan.ranges_m.pop_back(); }),
+       {"warnings", "beam_count_changes"}},
+      {"nan.log", log_with([](auto& scans) { scans[5].scan.ranges_m[7] = NAN; }), {"beams_rejected", "nan"}},
+      {"inf.log",
+       log_with([](auto& scans) { scans[5].scan.ranges_m[7] = -INFINITY; }),
+       {"beams_rejected", "infinite"}},
+      {"negative.log",
+       log_with([](auto& scans) { scans[5].scan.ranges_m[7] = -1; }),
+       {"beams_rejected", "negative"}},
+      {"zero.log", log_with([](auto& scans) { scans[5].scan.ranges_m[7] = 0; }), {"beams_rejected", "zero"}},
+      {"short.log",
+       log_with([](auto& scans) { scans[5].scan.ranges_m[7] = 0.01f; }),
+       {"beams_rejected", "below_min"}},
+      {"jump.log",
+       log_with([](auto& scans) { scans.back().odometry.x_m += 5; }),
+       {"warnings", "odometry_jumps"}}};
+  for (const Trouble& trouble : troubles) {
+    write_file(path(trouble.name), trouble.log);
+    const Args args = run_args({"--init", "1,1,0", "--json", "--quiet", "--particles", "300"}, trouble.name);
+    const Outcome tolerant = call(args);
+    ASSERT_EQ(tolerant.code, 0) << trouble.name << tolerant.err;
+    EXPECT_GT(Json::parse(tolerant.out).at(trouble.counter[0]).at(trouble.counter[1]), 0) << trouble.name;
+    Args strict_args = args;
+    strict_args.push_back("--strict");
+    const Outcome strict = call(strict_args);
+    EXPECT_EQ(strict.code, 3) << trouble.name;
+    EXPECT_NE(strict.err.find(std::string(trouble.name) + ":"), std::string::npos) << strict.err;
+    EXPECT_NE(strict.err.find("--strict"), std::string::npos) << strict.err;
+    EXPECT_EQ(std::count(strict.err.begin(), strict.err.end(), '\n'), 1) << strict.err;
+  }
+  EXPECT_EQ(call(run_args({"--init", "1,1,0", "--quiet", "--particles", "300", "--strict"})).code, 0);
+}
+
+TEST_F(Program, InterruptedRunsKeepWhatTheyHave) {
+  // 40 scans of a million particles take seconds; the first progress line says that a tenth is done.
+  for (const int signal_number : {SIGINT, SIGTERM}) {
+    fs::remove(path("stderr"));
+    const pid_t child = start(run_args(
+        {"--init", "1,1,0", "--particles", "1000000", "--threads", "1", "--json"}, "drive.log", "cut"));
+    const auto deadline = std::chrono::steady_clock::now() + std::chrono::seconds(60);
+    while (read_file(path("stderr")).find('%') == std::string::npos &&
+           std::chrono::steady_clock::now() < deadline) {
+      std::this_thread::sleep_for(std::chrono::milliseconds(5));
+    }
+    kill(child, signal_number);
+    const Outcome outcome = finish(child);
+    ASSERT_EQ(outcome.code, 130) << outcome.err;
+    const std::size_t rows = read_tum(path("cut/trajectory.tum")).size();
+    EXPECT_GE(rows, 1u);
+    EXPECT_LT(rows, static_cast<std::size_t>(kScans));
+    const Json metrics = Json::parse(outcome.out);
+    EXPECT_EQ(metrics.at("interrupted"), true);
+    EXPECT_EQ(metrics.at("scans"), rows);
+    EXPECT_EQ(contents(folder / "cut").size(), 4u);
+  }
+}
+
+TEST_F(Program, SimulatedLogsAreLocalized) {
+  write_file(path("path.yaml"),
+             "speed: 0.5\nturn_rate: 0.6\npoints:\n  - [1.0, 1.0]\n  - [3.0, 1.0]\n  - [3.0, 2.5]\n");
+  const auto simulate = [&](const std::string& out, const std::string& seed) {
+    const Outcome outcome = call({"simulate", "--map", path("room.yaml"), "--path", path("path.yaml"),
+                                  "--out", path(out), "--seed", seed, "--quiet"});
+    EXPECT_EQ(outcome.code, 0) << outcome.err;
+    EXPECT_EQ(outcome.out + outcome.err, "");
+    return read_file(path(out + "/scans.log"));
+  };
+  const std::string log = simulate("sim", "3");
+  EXPECT_EQ(simulate("sim_again", "3"), log);
+  EXPECT_NE(simulate("sim_other", "4"), log);
+  const Outcome outcome =
+      call({"run", "--map", path("room.yaml"), "--log", path("sim/scans.log"), "--truth",
+            path("sim/truth.tum"), "--out", path("sim_out"), "--backend", "cpu", "--json"});
+  ASSERT_EQ(outcome.code, 0) << outcome.err;
+  EXPECT_LT(Json::parse(outcome.out).at("position_max_m").get<double>(), 0.3);  // three cells, with noise
+}
+
+TEST_F(Program, PrintedConfigurationIsAConfiguration) {
+  const Outcome defaults = call({"config"});
+  ASSERT_EQ(defaults.code, 0);
+  write_file(path("defaults.yaml"), defaults.out);
+  const Outcome again = call({"config", "--config", path("defaults.yaml")});
+  EXPECT_EQ(again.code, 0) << again.err;
+  EXPECT_EQ(again.out, defaults.out);
+}
+
+TEST_F(Program, EveryHelpFitsAScreen) {
+  for (const Args& args : std::vector<Args>{{"--help"},
+                                            {"run", "--help"},
+                                            {"simulate", "--help"},
+                                            {"map", "--help"},
+                                            {"map", "info", "--help"},
+                                            {"config", "--help"},
+                                            {"devices", "--help"}}) {
+    const Outcome outcome = call(args);
+    EXPECT_EQ(outcome.code, 0) << args[0];
+    EXPECT_EQ(outcome.err, "");
+    std::istringstream lines(outcome.out);
+    std::string line;
+    int count = 0;
+    while (std::getline(lines, line)) {
+      ++count;
+      EXPECT_LE(line.size(), 80u) << line;
+    }
+    EXPECT_GT(count, 3) << args[0];
+    EXPECT_LE(count, 24) << outcome.out;
+  }
+  EXPECT_EQ(call({"--version"}).out.rfind("parloc ", 0), 0u);
+}
+
+TEST_F(Program, TellsAboutMapsAndDevices) {
+  const Outcome info = call({"map", "info", path("room.yaml")});
+  EXPECT_EQ(info.code, 0) << info.err;
+  EXPECT_NE(info.out.find("60 x 40 cells, 6.00 x 4.00 m"), std::string::npos) << info.out;
+  EXPECT_NE(info.out.find("occupied    226 cells"), std::string::npos)
+      << info.out;  // 196 around, 30 in the pillar
+  const Outcome devices = call({"devices"});
+  EXPECT_EQ(devices.code, 0) << devices.err;
+  EXPECT_NE(devices.out.find("cpu"), std::string::npos) << devices.out;
+}
+
+}  // namespace
+}  // namespace parloc

@@ -1,0 +1,28 @@
+// Whole numbers of the command line: decimal, the whole word, no silent wrap-around.
+#pragma once
+
+#include <fmt/format.h>
+
+#include <charconv>
+#include <limits>
+#include <string>
+#include <system_error>
+
+#include "common/error.h"
+
+namespace parloc::tools {
+
+/// Throws Error{usage} naming `option`.
+template <class Integer>
+Integer parse_whole_number(const char* option, const std::string& text) {
+  Integer value{};
+  const auto [end, status] = std::from_chars(text.data(), text.data() + text.size(), value);
+  if (status != std::errc() || end != text.data() + text.size()) {
+    throw Error(ErrorKind::usage,
+                fmt::format("{}: expected a whole number from {} to {}, got '{}'", option,
+                            std::numeric_limits<Integer>::min(), std::numeric_limits<Integer>::max(), text));
+  }
+  return value;
+}
+
+}  // namespace parloc::tools

@@ -1,0 +1,21 @@
+// An option of the command line that takes one text.
+#pragma once
+
+#include <CLI/CLI.hpp>
+#include <string>
+
+namespace parloc::tools {
+
+/// `value_name` stands for the value in the help. An empty value, such as an unset variable of a script
+/// leaves, is an error rather than the default.
+inline CLI::Option* add_text_option(CLI::App& app, const std::string& name, std::string& target,
+                                    const std::string& value_name, const std::string& help) {
+  const CLI::Validator not_empty(
+      [](std::string& text) {
+        return text.empty() ? std::string("expected a value, got nothing") : std::string();
+      },
+      "");
+  return app.add_option(name, target, help)->type_name(value_name)->check(not_empty);
+}
+
+}  // namespace parloc::tools
