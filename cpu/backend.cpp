@@ -7,6 +7,7 @@
 #include <fstream>
 
 #include "common/filter/bins.h"
+#include "common/map/blocking_cells.h"
 #include "common/map/skip_field.h"
 #include "cpu/distance_field.h"
 #include "cpu/stages.h"
@@ -20,15 +21,6 @@ struct ParticleBuffer {
   explicit ParticleBuffer(std::size_t n) : x(n), y(n), theta(n), log_weight(n) {}
   Particles view() { return {x.data(), y.data(), theta.data(), log_weight.data(), x.size()}; }
 };
-
-std::vector<std::uint8_t> blocking_cells(const GridMap& map, bool unknown_blocks) {
-  std::vector<std::uint8_t> blocks(map.size());
-  for (std::size_t c = 0; c < blocks.size(); ++c)
-    blocks[c] = map.cells[c] == Cell::occupied || (unknown_blocks && map.cells[c] == Cell::unknown) ? 1 : 0;
-  return blocks;
-}
-
-std::vector<std::uint8_t> occupied_cells(const GridMap& map) { return blocking_cells(map, false); }
 
 class CpuBackend final : public Backend {
  public:
@@ -60,7 +52,7 @@ class CpuBackend final : public Backend {
   void set_map(const GridMap& map) override {
     map_ = map;
     if (config_.sensor.model == SensorModel::likelihood_field) {
-      const std::vector<std::uint8_t> occupied = occupied_cells(map);
+      const std::vector<std::uint8_t> occupied = blocking_cells(map, false);
       squared_distance_ = cpu::squared_distance_field(occupied.data(), map.width, map.height, workers_.threads);
     } else {
       const std::vector<std::uint8_t> blocks = blocking_cells(map, config_.sensor.unknown_blocks);

@@ -1,0 +1,156 @@
+#include "common/filter/estimate.h"
+
+#include "cuda/block_sum.h"
+#include "cuda/stages.h"
+
+namespace parloc::PARLOC_CUDA_NAMESPACE {
+namespace {
+
+PARLOC_HD void raise_to(std::uint64_t* most, std::uint64_t value) {
+  std::uint64_t seen = atomic_read(most);
+  while (seen < value) {
+    const std::uint64_t before = atomic_swap_if(most, seen, value);
+    if (before == seen) return;
+    seen = before;
+  }
+}
+
+struct ClearBins {
+  using Shared = NoShared;
+  static constexpr int kPhases = 1;
+  BinTable t;
+  std::uint64_t* best;
+  PARLOC_HD void operator()(const Thread& me, int, Shared&) const {
+    if (me.first() == 0) best[0] = best[1] = 0;
+    for (std::size_t s = me.first(); s < t.capacity; s += me.stride()) {
+      t.key[s] = kNoBin;
+      t.weight[s] = 0;
+      t.cluster_weight[s] = 0;
+      t.parent[s] = static_cast<std::uint32_t>(s);
+    }
+  }
+};
+
+struct FillBins {
+  using Shared = NoShared;
+  static constexpr int kPhases = 1;
+  BinTable t;
+  Particles p;
+  const std::uint64_t* weight;
+  PARLOC_HD void operator()(const Thread& me, int, Shared&) const {
+    for (std::size_t i = me.first(); i < p.count; i += me.stride())
+      t.slot_of[i] = bin_insert(t, bin_key_of(p.x[i], p.y[i], p.theta[i]), weight[i]);
+  }
+};
+
+struct JoinBins {
+  using Shared = NoShared;
+  static constexpr int kPhases = 1;
+  BinTable t;
+  PARLOC_HD void operator()(const Thread& me, int, Shared&) const {
+    for (std::size_t s = me.first(); s < t.capacity; s += me.stride())
+      bin_join_neighbours(t, static_cast<std::uint32_t>(s));
+  }
+};
+
+struct SumClusters {
+  using Shared = NoShared;
+  static constexpr int kPhases = 1;
+  BinTable t;
+  PARLOC_HD void operator()(const Thread& me, int, Shared&) const {
+    for (std::size_t s = me.first(); s < t.capacity; s += me.stride()) {
+      if (t.key[s] == kNoBin) continue;
+      atomic_add(&t.cluster_weight[bin_root(t, static_cast<std::uint32_t>(s))], t.weight[s]);
+    }
+  }
+};
+
+/// Heaviest weight, then among its equals the smallest key (as the largest complement).
+struct FindHeaviest {
+  using Shared = NoShared;
+  static constexpr int kPhases = 1;
+  BinTable t;
+  std::uint64_t* best;
+  bool by_key;
+  PARLOC_HD void operator()(const Thread& me, int, Shared&) const {
+    for (std::size_t s = me.first(); s < t.capacity; s += me.stride()) {
+      if (t.key[s] == kNoBin || t.parent[s] != s) continue;
+      if (!by_key) raise_to(&best[0], t.cluster_weight[s]);
+      if (by_key && t.cluster_weight[s] == best[0]) raise_to(&best[1], ~t.key[s]);
+    }
+  }
+};
+
+struct TakeHeaviest {
+  using Shared = NoShared;
+  static constexpr int kPhases = 1;
+  BinTable t;
+  const std::uint64_t* best;
+  StepState* state;
+  PARLOC_HD void operator()(const Thread& me, int, Shared&) const {
+    if (me.first() == 0) state->best_slot = bin_find(t, ~best[1]);
+  }
+};
+
+struct MeanTerm {
+  Particles p;
+  const std::uint64_t* weight;
+  BinTable t;
+  const StepState* state;
+  PARLOC_HD SumVector<kMeanSums> operator()(std::size_t i) const {
+    const bool in = bin_root(t, t.slot_of[i]) == state->best_slot;
+    return mean_terms(p.x[i], p.y[i], p.theta[i], weight[i], in);
+  }
+};
+
+struct CovarianceTerm {
+  Particles p;
+  const std::uint64_t* weight;
+  BinTable t;
+  const StepState* state;
+  PARLOC_HD SumVector<kCovarianceSums> operator()(std::size_t i) const {
+    const bool in = bin_root(t, t.slot_of[i]) == state->best_slot;
+    return covariance_terms(p.x[i], p.y[i], p.theta[i], weight[i], in, state->all, state->cluster);
+  }
+};
+
+struct Finish {
+  using Shared = NoShared;
+  static constexpr int kPhases = 1;
+  BinTable t;
+  const double* sums;
+  StepState* state;
+  bool covariance;
+  PARLOC_HD void operator()(const Thread& me, int, Shared&) const {
+    if (me.first() != 0) return;
+    const double total = static_cast<double>(state->total);
+    const double cluster = static_cast<double>(t.cluster_weight[state->best_slot]);
+    if (covariance) {
+      finish_covariance(state->all, sums, total);
+      finish_covariance(state->cluster, sums + 6, cluster);
+    } else {
+      finish_mean(state->all, sums, total, total);
+      finish_mean(state->cluster, sums + 4, cluster, total);
+    }
+  }
+};
+
+}  // namespace
+
+void estimate(const Particles& p, const Weights& w, const BinTable& t, StepState* state, Scratch& scratch, Stream stream) {
+  const unsigned slots = blocks_for(t.capacity);
+  std::uint64_t* best = scratch.best.data();
+  launch(ClearBins{t, best}, slots, stream);
+  launch(FillBins{t, p, w.weight}, blocks_for(p.count), stream);
+  launch(JoinBins{t}, slots, stream);
+  launch(SumClusters{t}, slots, stream);
+  launch(FindHeaviest{t, best, false}, slots, stream);
+  launch(FindHeaviest{t, best, true}, slots, stream);
+  launch(TakeHeaviest{t, best, state}, 1, stream);
+  const double* mean = block_sum<kMeanSums>(p.count, MeanTerm{p, w.weight, t, state}, scratch.sums.data(), stream);
+  launch(Finish{t, mean, state, false}, 1, stream);
+  const double* cov = block_sum<kCovarianceSums>(p.count, CovarianceTerm{p, w.weight, t, state}, scratch.sums.data(), stream);
+  launch(Finish{t, cov, state, true}, 1, stream);
+}
+
+}  // namespace parloc::PARLOC_CUDA_NAMESPACE

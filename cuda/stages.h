@@ -1,0 +1,29 @@
+// The six stages as kernels; contract in common/filter/stages.h. All are asynchronous on `stream`.
+#pragma once
+
+#include "common/filter/bins.h"
+#include "common/filter/stages.h"
+#include "cuda/launch.h"
+
+namespace parloc::PARLOC_CUDA_NAMESPACE {
+
+/// Scratch of the collective stages, sized once for a particle count.
+struct Scratch {
+  DeviceBuffer<double> sums;
+  DeviceBuffer<std::uint64_t> best;  // [2] heaviest weight, its smallest key
+  DeviceBuffer<unsigned char> scan;  // CUB's
+  void reserve(std::size_t particles);
+};
+
+void predict(const PredictArgs& args, Stream stream);
+void ray_trace(const RayTraceArgs& args, Stream stream);
+void weight(const WeightArgs& args, Stream stream);
+void normalise_scan(const NormaliseArgs& args, Scratch& scratch, Stream stream);
+void estimate(const Particles& particles, const Weights& weights, const BinTable& bins, StepState* state,
+              Scratch& scratch, Stream stream);
+void resample(const ResampleArgs& args, Scratch& scratch, Stream stream);
+
+/// out[i] = in[0] + ... + in[i]; in == out is allowed.
+void inclusive_scan(const std::uint64_t* in, std::uint64_t* out, std::size_t count, Scratch& scratch, Stream stream);
+
+}  // namespace parloc::PARLOC_CUDA_NAMESPACE

@@ -1,0 +1,207 @@
+// Every stage, every sensor model and scheme: the kernel bodies run on the host, the OpenMP loops at several thread
+// counts and instruction sets, and a GPU where there is one, all from the same input, must agree to the bit.
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <cstring>
+
+#include "common/error.h"
+#include "common/filter/backend.h"
+#include "common/filter/start.h"
+#include "cpu/simd.h"
+
+namespace parloc {
+namespace cuda_on_host {
+std::unique_ptr<Backend> make_backend_on_host(const BackendConfig& config);
+}
+namespace {
+
+GridMap small_room() {
+  std::vector<std::string> rows(60, std::string(110, '.'));
+  for (std::size_t i = 0; i < 110; ++i) rows.front()[i] = rows.back()[i] = '#';
+  for (auto& r : rows) r.front() = r.back() = '#';
+  for (std::size_t k = 0; k < 14; ++k) rows[5 + k * 3][(k * 37) % 100 + 4] = '#';
+  for (std::size_t j = 20; j < 40; ++j) rows[j][55] = '#';
+  rows[10].replace(80, 12, "????????????");
+  return grid_from_text(rows, 0.05, {-1.0, 2.0, 0.3});
+}
+
+Scan fan(std::size_t beams) {
+  Scan s;
+  s.T_base_sensor = {0.1, -0.05, 0.2};
+  s.angle_min_rad = -2.0;
+  s.angle_step_rad = 4.0 / static_cast<double>(beams);
+  s.range_max_m = 4.0;
+  for (std::size_t i = 0; i < beams; ++i)
+    s.ranges_m.push_back(i % 7 == 3 ? 9.0f : 0.5f + 0.013f * static_cast<float>((i * 29) % 200));
+  return s;
+}
+
+/// Everything a backend holds after a few steps.
+struct Trace {
+  std::vector<float> expected_m;
+  std::vector<ParticleSet> sets;
+  std::vector<std::vector<std::uint64_t>> weights;
+  std::vector<std::vector<std::uint32_t>> ancestors;
+  std::vector<StepState> states;
+};
+
+Trace run(Backend& backend, const BackendConfig& config, std::int64_t particles, bool fused) {
+  const GridMap map = small_room();
+  backend.set_map(map);
+  ScanConfig scan_config;
+  scan_config.max_beams = 90;
+  BeamTable beams;
+  BeamCounts counts;
+  select_beams(fan(120), scan_config, config.sensor, map.resolution_m, beams, counts);
+  backend.set_range_max(beams.range_max_m);
+  backend.upload(uniform_start(map, particles, 7));
+  Trace t;
+  for (std::uint32_t step = 0; step < 4; ++step) {
+    const RandomKey key{99, step};
+    backend.predict({0.05f, 0.1f, -0.02f, 0.02f, 0.05f, 0.02f}, key);
+    backend.set_scan(beams);
+    if (step == 0 && config.sensor.model != SensorModel::likelihood_field) t.expected_m = backend.ray_trace();
+    backend.weight(fused);
+    backend.normalise_scan();
+    backend.estimate();
+    backend.resample(key);
+    t.states.push_back(backend.finish());
+    t.sets.push_back(backend.download());
+    t.weights.push_back(backend.weights());
+    t.ancestors.push_back(backend.ancestors());
+  }
+  return t;
+}
+
+bool same_bits(const std::vector<float>& a, const std::vector<float>& b) {
+  return a.size() == b.size() && (a.empty() || std::memcmp(a.data(), b.data(), a.size() * sizeof(float)) == 0);
+}
+
+void expect_same(const Moments& a, const Moments& b) { EXPECT_EQ(std::memcmp(&a, &b, sizeof a), 0) << a.x << " " << b.x; }
+
+void expect_same(const Trace& a, const Trace& b) {
+  EXPECT_TRUE(same_bits(a.expected_m, b.expected_m));
+  ASSERT_EQ(a.sets.size(), b.sets.size());
+  for (std::size_t k = 0; k < a.sets.size(); ++k) {
+    SCOPED_TRACE("step " + std::to_string(k));
+    EXPECT_TRUE(same_bits(a.sets[k].x, b.sets[k].x));
+    EXPECT_TRUE(same_bits(a.sets[k].y, b.sets[k].y));
+    EXPECT_TRUE(same_bits(a.sets[k].theta, b.sets[k].theta));
+    EXPECT_TRUE(same_bits(a.sets[k].log_weight, b.sets[k].log_weight));
+    EXPECT_EQ(a.weights[k], b.weights[k]);
+    EXPECT_EQ(a.ancestors[k], b.ancestors[k]);
+    EXPECT_EQ(a.states[k].total, b.states[k].total);
+    EXPECT_EQ(a.states[k].resample, b.states[k].resample);
+    EXPECT_EQ(a.states[k].n_eff, b.states[k].n_eff);
+    expect_same(a.states[k].all, b.states[k].all);
+    expect_same(a.states[k].cluster, b.states[k].cluster);
+  }
+}
+
+struct Case {
+  SensorModel model;
+  RayCaster caster;
+  FieldLookup lookup;
+  ResampleScheme scheme;
+  const char* name;
+};
+
+class Backends : public testing::TestWithParam<Case> {
+ protected:
+  BackendConfig config(std::int64_t particles, int threads) const {
+    BackendConfig c;
+    c.particles = particles;
+    c.threads = threads;
+    c.sensor.model = GetParam().model;
+    c.sensor.caster = GetParam().caster;
+    c.sensor.lookup = GetParam().lookup;
+    c.sensor.z_hit = 0.75, c.sensor.z_short = 0.1, c.sensor.z_max = 0.05, c.sensor.z_rand = 0.1;
+    c.resample.scheme = GetParam().scheme;
+    return c;
+  }
+  Trace cpu(std::int64_t particles, int threads, bool fused = true) const {
+    const auto backend = make_cpu_backend(config(particles, threads));
+    return run(*backend, config(particles, threads), particles, fused);
+  }
+};
+
+// Around block edges (1024, 256), one particle, and enough to use every thread.
+const std::int64_t kCounts[] = {1, 31, 257, 1025, 9001};
+
+TEST_P(Backends, KernelBodiesOnTheHostEqualTheOpenMpTwin) {
+  for (const std::int64_t n : kCounts) {
+    SCOPED_TRACE(n);
+    const auto kernels = cuda_on_host::make_backend_on_host(config(n, 1));
+    expect_same(cpu(n, 1), run(*kernels, config(n, 1), n, true));
+  }
+}
+
+TEST_P(Backends, ThreadsDoNotMatter) {
+  for (const std::int64_t n : kCounts) {
+    SCOPED_TRACE(n);
+    const Trace one = cpu(n, 1);
+    expect_same(one, cpu(n, 2));
+    expect_same(one, cpu(n, 4));
+  }
+}
+
+TEST_P(Backends, InstructionSetDoesNotMatter) {
+  const Trace best = cpu(1025, 2);
+  for (const cpu::Simd level : {cpu::Simd::avx2, cpu::Simd::baseline}) {
+    cpu::limit_simd(level);
+    expect_same(best, cpu(1025, 2));
+  }
+  cpu::limit_simd(cpu::Simd::avx512);
+}
+
+TEST_P(Backends, FusedEqualsUnfused) { expect_same(cpu(1025, 2, true), cpu(1025, 2, false)); }
+
+TEST_P(Backends, GpuEqualsCpu) {
+  std::unique_ptr<Backend> gpu;
+  try {
+    std::string why;
+    gpu = make_backend(BackendChoice::cuda, config(9001, 1), why);
+  } catch (const Error& e) {
+    const char* required = std::getenv("PARLOC_REQUIRE_GPU");
+    if (required != nullptr && std::strcmp(required, "1") == 0) FAIL() << e.what();
+    GTEST_SKIP() << e.what();
+  }
+  expect_same(cpu(9001, 2), run(*gpu, config(9001, 1), 9001, true));
+}
+
+INSTANTIATE_TEST_SUITE_P(
+    All, Backends,
+    testing::Values(
+        Case{SensorModel::gaussian, RayCaster::skip, FieldLookup::nearest, ResampleScheme::multinomial, "gaussian"},
+        Case{SensorModel::gaussian, RayCaster::fixed_step, FieldLookup::nearest, ResampleScheme::multinomial_linear, "paz2012"},
+        Case{SensorModel::beam, RayCaster::skip, FieldLookup::nearest, ResampleScheme::residual, "beam_skip"},
+        Case{SensorModel::beam, RayCaster::dda, FieldLookup::nearest, ResampleScheme::stratified, "beam_dda"},
+        Case{SensorModel::likelihood_field, RayCaster::skip, FieldLookup::bilinear, ResampleScheme::systematic, "field"},
+        Case{SensorModel::likelihood_field, RayCaster::skip, FieldLookup::nearest, ResampleScheme::stratified, "field_nearest"}),
+    [](const auto& info) { return std::string(info.param.name); });
+
+TEST(Casters, SkipAndDdaGiveTheSameRanges) {
+  BackendConfig c;
+  c.particles = 3000;
+  c.sensor.model = SensorModel::gaussian;
+  const auto skip = make_cpu_backend(c);
+  const Trace fast = run(*skip, c, 3000, true);
+  c.sensor.caster = RayCaster::dda;
+  const auto dda = make_cpu_backend(c);
+  expect_same(run(*dda, c, 3000, true), fast);
+}
+
+TEST(Casters, MultinomialBisectionEqualsTheLinearSearch) {
+  BackendConfig c;
+  c.particles = 1000;
+  c.resample.scheme = ResampleScheme::multinomial;
+  const auto fast = make_cpu_backend(c);
+  const Trace a = run(*fast, c, 1000, true);
+  c.resample.scheme = ResampleScheme::multinomial_linear;
+  const auto linear = make_cpu_backend(c);
+  expect_same(run(*linear, c, 1000, true), a);
+}
+
+}  // namespace
+}  // namespace parloc
