@@ -1,0 +1,126 @@
+// The shared arithmetic against published known answers and SPEC's bit patterns (0.1, 0.5, 0.6, 1.7).
+#include <gtest/gtest.h>
+
+#include <Random123/philox.h>
+
+#include <cmath>
+#include <string>
+
+#include "common/filter/resampling.h"
+#include "common/math/philox.h"
+#include "common/math/portable64.h"
+#include "common/math/sha256.h"
+#include "common/model/motion.h"
+
+namespace parloc {
+namespace {
+
+TEST(Philox, EqualsRandom123) {
+  r123::Philox4x32 reference;
+  for (std::uint32_t i = 0; i < 1000; ++i) {
+    const std::uint64_t seed = std::uint64_t{i} * 0x9E3779B97F4A7C15u;
+    const auto expected = reference({{i, i * 7, i * 13, i * 31}}, {{static_cast<std::uint32_t>(seed),
+                                                                   static_cast<std::uint32_t>(seed >> 32)}});
+    const Philox4x32 r = philox(i, i * 7, i * 13, i * 31, seed);
+    for (std::size_t k = 0; k < 4; ++k) ASSERT_EQ(r.w[k], expected[k]) << i;
+  }
+}
+
+TEST(Philox, NormalsHaveTheSpecifiedBits) {
+  const Normals n = normals(philox(0u, 0u, 0u, 0u, 42));
+  const std::uint32_t bits[] = {0xbf785e5b, 0x3e46ace1, 0xbf9e28cd, 0x3ff6433e};
+  for (int k = 0; k < 4; ++k) EXPECT_EQ(bits_of(n.n[k]), bits[k]);
+}
+
+TEST(Portable, HasTheSpecifiedBits) {
+  EXPECT_EQ(bits_of(portable_exp(-0.5f)), 0x3f1b4598u);
+  EXPECT_EQ(bits_of(portable_exp(-86.5f)), 0x0113bc74u);
+  EXPECT_EQ(bits_of(portable_log(1000.0f)), 0x40dd0c55u);
+  EXPECT_EQ(bits_of(portable_log(1e-7f)), 0xc180f1dcu);
+  EXPECT_EQ(bits_of(portable_sincos(-2.5f).sin), 0xbf193579u);
+  EXPECT_EQ(bits_of(portable_sincos(-2.5f).cos), 0xbf4d17c0u);
+  EXPECT_EQ(bits_of(portable_atan2(-0.05f, -0.1f)), 0xc02b6374u);
+  EXPECT_EQ(bits_of(wrap(7.0f)), 0x3f37812bu);
+  EXPECT_EQ(bits_of(wrap(3.14159274f)), 0xc0490fdau);
+}
+
+TEST(Portable, StaysWithinItsStatedErrors) {
+  for (float x = 0.0f; x < 9.0f; x += 1e-3f) EXPECT_NEAR(portable_erfc(x) / std::erfc(static_cast<double>(x)), 1.0, 5e-6) << x;
+  for (int i = -20000; i < 20000; ++i) {
+    const double x = 0.0123 * i;
+    ASSERT_NEAR(portable_sincos64(x).sin, std::sin(x), 5e-16);
+    ASSERT_NEAR(portable_sincos64(x).cos, std::cos(x), 5e-16);
+    ASSERT_NEAR(portable_atan2_64(std::sin(0.37 * i), std::cos(0.11 * i)), std::atan2(std::sin(0.37 * i), std::cos(0.11 * i)), 5e-16);
+  }
+}
+
+TEST(Sha256, KnownAnswer) {
+  Sha256 sha;
+  sha.add("abc", 3);
+  EXPECT_EQ(sha.hex(), "ba7816bf8f01cfea414140de5dae2223b00361a396177a9cb410ff61f20015ad");
+}
+
+TEST(Motion, SpecCheckA) {
+  const OdometryIncrement u = odometry_increment({1, 2, 0.5}, {1.3, 2.4, 0.9}, 0.01);
+  EXPECT_NEAR(u.rot1_rad, 0.427295218001612, 1e-12);
+  EXPECT_NEAR(u.trans_m, 0.5, 1e-12);
+  EXPECT_NEAR(u.rot2_rad, -0.027295218001612, 1e-12);
+  MotionConfig c;
+  c.alpha1 = 0.1, c.alpha2 = 0.05, c.alpha3 = 0.08, c.alpha4 = 0.02;
+  const MotionStep m = motion_step(u, c);
+  float x = 5, y = -1, theta = -2;
+  predict_one(x, y, theta, m, 0, 1, 42);
+  EXPECT_EQ(bits_of(x), 0x409e2f36u);
+  EXPECT_EQ(bits_of(y), 0xbfc028c1u);
+  EXPECT_EQ(bits_of(theta), 0xbfe09cadu);
+}
+
+TEST(Motion, BackwardsIsNotATurn) {
+  const OdometryIncrement u = odometry_increment({0, 0, 0}, {-0.2, 0, 0}, 0.01);
+  const MotionConfig symmetric{.alpha1 = 0.1, .alpha2 = 0.05, .alpha3 = 0.08, .alpha4 = 0.02};
+  EXPECT_NEAR(motion_step(u, symmetric).sigma_rot1, 0.010, 1e-6);
+}
+
+/// The example of SPEC 5.3: N = 8, S = 40, key (42, 0), step 0.
+class SpecResampling : public testing::Test {
+ protected:
+  std::vector<std::uint64_t> q = {183251937963, 1099511627776, 0, 366503875925, 916259689813, 73300775185, 659706976666,
+                                  366503875925};
+  std::vector<std::uint64_t> sum, offspring, remainder;
+  StepState state;
+  void SetUp() override {
+    std::uint64_t total = 0;
+    for (const std::uint64_t x : q) sum.push_back(total += x);
+    state.total = total;
+    state.resample = 1;
+    std::uint64_t copies = 0, left = 0;
+    for (const std::uint64_t x : q) {
+      offspring.push_back(copies += whole_copies(x, 8, total));
+      remainder.push_back(left += left_over(x, 8, total, remainder_shift(8, total)));
+    }
+  }
+  std::string ancestors(ResampleScheme scheme) {
+    ResampleArgs a;
+    a.from.count = 8;
+    a.weights = {q.data(), sum.data(), 8};
+    a.scheme = scheme;
+    a.key = {42, 0};
+    a.state = &state;
+    a.offspring_sum = offspring.data();
+    a.remainder_sum = remainder.data();
+    std::string out;
+    for (std::uint64_t j = 0; j < 8; ++j) out += std::to_string(ancestor_of(a, j));
+    return out;
+  }
+};
+
+TEST_F(SpecResampling, GivesTheSpecifiedIndices) {
+  EXPECT_EQ(ancestors(ResampleScheme::multinomial), "46377347");
+  EXPECT_EQ(ancestors(ResampleScheme::multinomial_linear), "46377347");
+  EXPECT_EQ(ancestors(ResampleScheme::systematic), "11134467");
+  EXPECT_EQ(ancestors(ResampleScheme::stratified), "11134567");
+  EXPECT_EQ(ancestors(ResampleScheme::residual), "11464673");
+}
+
+}  // namespace
+}  // namespace parloc
