@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <cstdlib>
 #include <cstring>
 
 #include "common/error.h"
@@ -179,7 +180,7 @@ INSTANTIATE_TEST_SUITE_P(
         Case{SensorModel::beam, RayCaster::dda, FieldLookup::nearest, ResampleScheme::stratified, "beam_dda"},
         Case{SensorModel::likelihood_field, RayCaster::skip, FieldLookup::bilinear, ResampleScheme::systematic, "field"},
         Case{SensorModel::likelihood_field, RayCaster::skip, FieldLookup::nearest, ResampleScheme::stratified, "field_nearest"}),
-    [](const auto& info) { return std::string(info.param.name); });
+    [](const auto& one) { return std::string(one.param.name); });
 
 TEST(Casters, SkipAndDdaGiveTheSameRanges) {
   BackendConfig c;
