@@ -8,12 +8,12 @@ namespace parloc {
 
 /// What went wrong. The value is the exit code of the `parloc` program (docs/exit_codes.md).
 enum class ErrorKind {
-  internal = 1,   ///< A defect in parloc, or a device that failed.
-  usage = 2,      ///< The command line is wrong.
-  input = 3,      ///< A map, log or trajectory cannot be read or makes no sense.
-  config = 4,     ///< A configuration has an unknown key, a wrong type or an impossible value.
-  output = 5,     ///< A result cannot be written.
-  backend = 6,    ///< The backend asked for is not built, or has no device.
+  internal = 1,  ///< A defect in parloc, or a device that failed.
+  usage = 2,     ///< The command line is wrong.
+  input = 3,     ///< A map, log or trajectory cannot be read or makes no sense.
+  config = 4,    ///< A configuration has an unknown key, a wrong type or an impossible value.
+  output = 5,    ///< A result cannot be written.
+  backend = 6,   ///< The backend asked for is not built, or has no device.
 };
 
 /// An error with one clear line: what was expected, and where.

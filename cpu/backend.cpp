@@ -53,7 +53,8 @@ class CpuBackend final : public Backend {
     map_ = map;
     if (config_.sensor.model == SensorModel::likelihood_field) {
       const std::vector<std::uint8_t> occupied = blocking_cells(map, false);
-      squared_distance_ = cpu::squared_distance_field(occupied.data(), map.width, map.height, workers_.threads);
+      squared_distance_ =
+          cpu::squared_distance_field(occupied.data(), map.width, map.height, workers_.threads);
     } else {
       const std::vector<std::uint8_t> blocks = blocking_cells(map, config_.sensor.unknown_blocks);
       skip_ = skip_field(blocks.data(), map.width, map.height);
@@ -75,7 +76,9 @@ class CpuBackend final : public Backend {
   }
   ParticleSet download() const override { return {now_.x, now_.y, now_.theta, now_.log_weight}; }
 
-  void predict(const MotionStep& motion, RandomKey key) override { cpu::predict({now_.view(), motion, key}, workers_); }
+  void predict(const MotionStep& motion, RandomKey key) override {
+    cpu::predict({now_.view(), motion, key}, workers_);
+  }
   void set_scan(const BeamTable& beams) override { beams_ = beams; }
 
   std::vector<float> ray_trace() override {
@@ -88,9 +91,18 @@ class CpuBackend final : public Backend {
 
   void weight(bool fused) override {
     const RayTraceArgs rays = ray_args();
-    WeightArgs a{rays.particles, rays.beams, config_.sensor.model, static_cast<float>(config_.sensor.tempering),
-                 rays.map, rays.caster, rays.fixed_step_cells, bind_gaussian(config_.sensor),
-                 bind_censored(config_.sensor, beams_.range_max_m), field_view(), config_.sensor.lookup, nullptr};
+    WeightArgs a{rays.particles,
+                 rays.beams,
+                 config_.sensor.model,
+                 static_cast<float>(config_.sensor.tempering),
+                 rays.map,
+                 rays.caster,
+                 rays.fixed_step_cells,
+                 bind_gaussian(config_.sensor),
+                 bind_censored(config_.sensor, beams_.range_max_m),
+                 field_view(),
+                 config_.sensor.lookup,
+                 nullptr};
     if (!fused && a.model != SensorModel::likelihood_field) {
       expected_m_ = ray_trace();
       a.expected_m = expected_m_.data();
@@ -99,15 +111,16 @@ class CpuBackend final : public Backend {
   }
 
   void normalise_scan() override {
-    cpu::normalise_scan({now_.view(), weights_view(), config_.resample.threshold, config_.resample.threshold >= 1.0, &state_},
-                        workers_);
+    cpu::normalise_scan(
+        {now_.view(), weights_view(), config_.resample.threshold, config_.resample.threshold >= 1.0, &state_},
+        workers_);
   }
 
   void estimate() override { cpu::estimate(now_.view(), weights_view(), bins_view(), &state_, workers_); }
 
   void resample(RandomKey key) override {
-    cpu::resample({now_.view(), other_.view(), weights_view(), config_.resample.scheme, key, &state_, ancestor_.data(),
-                   offspring_sum_.data(), remainder_sum_.data()},
+    cpu::resample({now_.view(), other_.view(), weights_view(), config_.resample.scheme, key, &state_,
+                   ancestor_.data(), offspring_sum_.data(), remainder_sum_.data()},
                   workers_);
     std::swap(now_, other_);
   }
@@ -120,12 +133,26 @@ class CpuBackend final : public Backend {
  private:
   RayTraceArgs ray_args() {
     const std::int32_t stride = map_.width + 2;
-    const RayMap map{skip_.empty() ? nullptr : skip_.data() + stride + 1, map_.width, map_.height, stride,
-                     static_cast<float>(map_.resolution_m), static_cast<float>(1.0 / map_.resolution_m)};
-    const Beams beams{beams_.direction_x.data(), beams_.direction_y.data(), beams_.range_m.data(),
-                      beams_.short_density.data(), beams_.end_x.data(), beams_.end_y.data(), beams_.count, beams_.hits,
-                      beams_.range_max_m, beams_.sensor_x, beams_.sensor_y};
-    return {now_.view(), map, beams, config_.sensor.caster, static_cast<float>(config_.sensor.fixed_step_cells), nullptr};
+    const RayMap map{skip_.empty() ? nullptr : skip_.data() + stride + 1,
+                     map_.width,
+                     map_.height,
+                     stride,
+                     static_cast<float>(map_.resolution_m),
+                     static_cast<float>(1.0 / map_.resolution_m)};
+    const Beams beams{beams_.direction_x.data(),
+                      beams_.direction_y.data(),
+                      beams_.range_m.data(),
+                      beams_.short_density.data(),
+                      beams_.end_x.data(),
+                      beams_.end_y.data(),
+                      beams_.count,
+                      beams_.hits,
+                      beams_.range_max_m,
+                      beams_.sensor_x,
+                      beams_.sensor_y};
+    return {
+        now_.view(), map, beams, config_.sensor.caster, static_cast<float>(config_.sensor.fixed_step_cells),
+        nullptr};
   }
   LikelihoodField field_view() const {
     const std::int32_t stride = map_.width + 2;
@@ -133,7 +160,8 @@ class CpuBackend final : public Backend {
   }
   Weights weights_view() { return {weight_.data(), cumulative_.data(), weight_.size()}; }
   BinTable bins_view() {
-    return {bin_key_.data(), bin_weight_.data(), cluster_weight_.data(), bin_parent_.data(), bin_slot_.data(), bin_capacity_};
+    return {bin_key_.data(),    bin_weight_.data(), cluster_weight_.data(),
+            bin_parent_.data(), bin_slot_.data(),   bin_capacity_};
   }
 
   BackendConfig config_;
@@ -150,13 +178,15 @@ class CpuBackend final : public Backend {
   std::vector<std::uint64_t> bin_key_, bin_weight_, cluster_weight_;
   std::vector<std::uint32_t> bin_parent_, bin_slot_;
   std::vector<std::uint64_t> offspring_sum_, remainder_sum_;  // residual scheme only
-  std::vector<float> expected_m_;                              // unfused reference only
+  std::vector<float> expected_m_;                             // unfused reference only
   StepState state_;
 };
 
 }  // namespace
 
-std::unique_ptr<Backend> make_cpu_backend(const BackendConfig& config) { return std::make_unique<CpuBackend>(config); }
+std::unique_ptr<Backend> make_cpu_backend(const BackendConfig& config) {
+  return std::make_unique<CpuBackend>(config);
+}
 
 std::string describe_cpu() {
   std::string model = "unknown processor";
@@ -166,7 +196,8 @@ std::string describe_cpu() {
       model = line.substr(line.find(':') + 2);
       break;
     }
-  return fmt::format("cpu: {}, {} cores, using {}", model, omp_get_num_procs(), cpu::simd_name(cpu::simd_level()));
+  return fmt::format("cpu: {}, {} cores, using {}", model, omp_get_num_procs(),
+                     cpu::simd_name(cpu::simd_level()));
 }
 
 }  // namespace parloc

@@ -12,12 +12,13 @@ SumVector<K> block_sum(std::size_t count, Workers& workers, const Term& term) {
   std::size_t blocks = sum_blocks(count);
   workers.sums.resize((blocks + sum_blocks(blocks) + 1) * K);  // three levels reach 2^30 elements
   double* level = workers.sums.data();
-  parallel_blocks(blocks, count < kSmallLoop ? 1 : workers.threads, 1, [=](std::size_t begin, std::size_t end) PARLOC_SIMD_LOOP {
-    for (std::size_t b = begin; b < end; ++b) {
-      const SumVector<K> s = sum_one_block<K>(b, count, term);
-      for (int k = 0; k < K; ++k) level[b * K + k] = s.v[k];
-    }
-  });
+  parallel_blocks(blocks, count < kSmallLoop ? 1 : workers.threads, 1,
+                  [=](std::size_t begin, std::size_t end) PARLOC_SIMD_LOOP {
+                    for (std::size_t b = begin; b < end; ++b) {
+                      const SumVector<K> s = sum_one_block<K>(b, count, term);
+                      for (int k = 0; k < K; ++k) level[b * K + k] = s.v[k];
+                    }
+                  });
   while (blocks > 1) {
     double* next = level + blocks * K;
     const std::size_t above = sum_blocks(blocks);

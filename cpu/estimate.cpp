@@ -35,7 +35,8 @@ std::uint32_t heaviest_cluster(const BinTable& t) {
 
 }  // namespace
 
-void estimate(const Particles& p, const Weights& weights, const BinTable& bins, StepState* state, Workers& workers) {
+void estimate(const Particles& p, const Weights& weights, const BinTable& bins, StepState* state,
+              Workers& workers) {
   const std::uint64_t* weight = weights.weight;
   clear_bins(bins, workers);
   parallel_for(p.count, workers.threads, [=](std::size_t begin, std::size_t end) PARLOC_SIMD_LOOP {
@@ -49,18 +50,21 @@ void estimate(const Particles& p, const Weights& weights, const BinTable& bins, 
 
   const double total = static_cast<double>(state->total);
   const double cluster_weight = static_cast<double>(bins.cluster_weight[best]);
-  const auto in_cluster = [=](std::size_t i) PARLOC_SIMD_LOOP { return bins.parent[bins.slot_of[i]] == best; };
+  const auto in_cluster = [=](std::size_t i)
+                              PARLOC_SIMD_LOOP { return bins.parent[bins.slot_of[i]] == best; };
 
-  const SumVector<kMeanSums> mean = block_sum<kMeanSums>(p.count, workers, [=](std::size_t i) PARLOC_SIMD_LOOP {
-    return mean_terms(p.x[i], p.y[i], p.theta[i], weight[i], in_cluster(i));
-  });
+  const SumVector<kMeanSums> mean =
+      block_sum<kMeanSums>(p.count, workers, [=](std::size_t i) PARLOC_SIMD_LOOP {
+        return mean_terms(p.x[i], p.y[i], p.theta[i], weight[i], in_cluster(i));
+      });
   finish_mean(state->all, mean.v, total, total);
   finish_mean(state->cluster, mean.v + 4, cluster_weight, total);
 
   const Moments all = state->all, cluster = state->cluster;
-  const SumVector<kCovarianceSums> cov = block_sum<kCovarianceSums>(p.count, workers, [=](std::size_t i) PARLOC_SIMD_LOOP {
-    return covariance_terms(p.x[i], p.y[i], p.theta[i], weight[i], in_cluster(i), all, cluster);
-  });
+  const SumVector<kCovarianceSums> cov =
+      block_sum<kCovarianceSums>(p.count, workers, [=](std::size_t i) PARLOC_SIMD_LOOP {
+        return covariance_terms(p.x[i], p.y[i], p.theta[i], weight[i], in_cluster(i), all, cluster);
+      });
   finish_covariance(state->all, cov.v, total);
   finish_covariance(state->cluster, cov.v + 6, cluster_weight);
 }

@@ -15,14 +15,16 @@ float max_log_weight(const Particles& p, Workers& workers) {
   double* best = workers.sums.data();
   const float* log_weight = p.log_weight;
   const std::size_t count = p.count;
-  parallel_blocks(blocks, count < kSmallLoop ? 1 : workers.threads, 1, [=](std::size_t begin, std::size_t end) PARLOC_SIMD_LOOP {
-    for (std::size_t b = begin; b < end; ++b) {
-      const std::size_t stop = (b + 1) * kGrain < count ? (b + 1) * kGrain : count;
-      float most = kNoWeight;
-      for (std::size_t i = b * kGrain; i < stop; ++i) most = max_of(valid_log_weight(log_weight[i]), most);
-      best[b] = most;
-    }
-  });
+  parallel_blocks(blocks, count < kSmallLoop ? 1 : workers.threads, 1,
+                  [=](std::size_t begin, std::size_t end) PARLOC_SIMD_LOOP {
+                    for (std::size_t b = begin; b < end; ++b) {
+                      const std::size_t stop = (b + 1) * kGrain < count ? (b + 1) * kGrain : count;
+                      float most = kNoWeight;
+                      for (std::size_t i = b * kGrain; i < stop; ++i)
+                        most = max_of(valid_log_weight(log_weight[i]), most);
+                      best[b] = most;
+                    }
+                  });
   float most = kNoWeight;
   for (std::size_t b = 0; b < blocks; ++b) most = max_of(static_cast<float>(best[b]), most);
   return most;
@@ -43,7 +45,8 @@ void normalise_scan(const NormaliseArgs& a, Workers& workers) {
   parallel_for(count, workers.threads, [=](std::size_t begin, std::size_t end) PARLOC_SIMD_LOOP {
     for (std::size_t i = begin; i < end; ++i) weight[i] = normalise_one(log_weight[i], now, bits);
   });
-  state.total = inclusive_scan(count, workers, a.weights.cumulative, [=](std::size_t i) PARLOC_SIMD_LOOP { return weight[i]; });
+  state.total = inclusive_scan(count, workers, a.weights.cumulative,
+                               [=](std::size_t i) PARLOC_SIMD_LOOP { return weight[i]; });
   const SumVector<1> squares = block_sum<1>(count, workers, [=](std::size_t i) PARLOC_SIMD_LOOP {
     const double q = static_cast<double>(weight[i]);
     return SumVector<1>{{q * q}};

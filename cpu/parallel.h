@@ -16,7 +16,8 @@
 
 namespace parloc::cpu {
 
-/// How many threads a stage may use, and scratch memory that keeps its capacity: no allocation once it has grown.
+/// How many threads a stage may use, and scratch memory that keeps its capacity: no allocation once it has
+/// grown.
 struct Workers {
   int threads = 1;
   std::vector<double> sums;
@@ -27,8 +28,12 @@ struct Workers {
 class StrictFloat {
  public:
 #if defined(__x86_64__)
-  StrictFloat() : saved_(_mm_getcsr()) { _mm_setcsr(0x1f80); }
-  ~StrictFloat() { _mm_setcsr(saved_); }
+  StrictFloat() : saved_(_mm_getcsr()) {
+    _mm_setcsr(0x1f80);
+  }
+  ~StrictFloat() {
+    _mm_setcsr(saved_);
+  }
 
  private:
   unsigned saved_;
@@ -37,16 +42,17 @@ class StrictFloat {
 #endif
 };
 
-/// Particles below which a cheap loop stays on one thread: waking a team costs some microseconds, and milliseconds on
-/// a machine that is busy with something else.
+/// Particles below which a cheap loop stays on one thread: waking a team costs some microseconds, and
+/// milliseconds on a machine that is busy with something else.
 constexpr std::size_t kSmallLoop = 8192;
 
-/// loop(begin, end) over [0, count) in at most `threads` contiguous blocks, whose edges are multiples of `grain`.
-/// `loop` is a lambda marked PARLOC_SIMD_LOOP that must not throw.
+/// loop(begin, end) over [0, count) in at most `threads` contiguous blocks, whose edges are multiples of
+/// `grain`. `loop` is a lambda marked PARLOC_SIMD_LOOP that must not throw.
 template <class Loop>
 void parallel_blocks(std::size_t count, int threads, std::size_t grain, const Loop& loop) {
   const std::size_t grains = (count + grain - 1) / grain;
-  const std::size_t wanted = static_cast<std::size_t>(threads) < grains ? static_cast<std::size_t>(threads) : grains;
+  const std::size_t wanted =
+      static_cast<std::size_t>(threads) < grains ? static_cast<std::size_t>(threads) : grains;
   if (wanted <= 1) {
     const StrictFloat strict;
     if (count > 0) run_simd([&]() PARLOC_SIMD_LOOP { loop(std::size_t{0}, count); });

@@ -32,7 +32,8 @@ inline float trace_beam(const RayTraceArgs& a, const Origin& o, std::size_t m) {
   const Ray ray = beam_ray(o.u, o.v, o.c, o.s, a.beams.direction_x[m], a.beams.direction_y[m]);
   if (a.caster == RayCaster::fixed_step)
     return cast_fixed_step(a.map, ray, reach_cells, a.fixed_step_cells, range_max_m);
-  const RayHit hit = a.caster == RayCaster::dda ? cast_dda(a.map, ray, reach_cells) : cast_skip(a.map, ray, reach_cells);
+  const RayHit hit =
+      a.caster == RayCaster::dda ? cast_dda(a.map, ray, reach_cells) : cast_skip(a.map, ray, reach_cells);
   return range_of_hit(ray, hit, a.map.resolution_m, range_max_m);
 }
 
@@ -43,8 +44,10 @@ HWY_BEFORE_NAMESPACE();
 namespace parloc::cpu::HWY_NAMESPACE {
 namespace hn = hwy::HWY_NAMESPACE;
 
-// Below AVX2 Highway's MulAdd is not fused, and scalable vectors cannot be kept in structs: those run cast_skip.
-#if HWY_TARGET == HWY_SCALAR || HWY_TARGET == HWY_EMU128 || HWY_HAVE_SCALABLE || (HWY_ARCH_X86 && HWY_TARGET > HWY_AVX2)
+// Below AVX2 Highway's MulAdd is not fused, and scalable vectors cannot be kept in structs: those run
+// cast_skip.
+#if HWY_TARGET == HWY_SCALAR || HWY_TARGET == HWY_EMU128 || HWY_HAVE_SCALABLE || \
+    (HWY_ARCH_X86 && HWY_TARGET > HWY_AVX2)
 void trace_skip(const RayTraceArgs& a, const Origin& o, float* expected_m) {
   for (std::size_t m = 0; m < a.beams.count; ++m) expected_m[m] = trace_beam(a, o, m);
 }
@@ -68,7 +71,9 @@ struct Rays {
   MF alive;
 };
 
-HWY_INLINE VF nonzero(VF d) { return hn::IfThenElse(hn::Lt(hn::Abs(d), hn::Set(f32, 1e-12f)), hn::Set(f32, 1e-20f), d); }
+HWY_INLINE VF nonzero(VF d) {
+  return hn::IfThenElse(hn::Lt(hn::Abs(d), hn::Set(f32, 1e-12f)), hn::Set(f32, 1e-20f), d);
+}
 
 HWY_INLINE Rays start_rays(const RayTraceArgs& a, const Origin& o, std::size_t first, VF i, VF j) {
   const std::size_t left = a.beams.count > first ? a.beams.count - first : 0;
@@ -115,7 +120,8 @@ HWY_INLINE void advance(const RayMap& map, Rays& r, VF u, VF v, VF reach) {
   const VF last = hn::Min(below, above);
   const MF early = hn::Or(hn::Lt(next, t), hn::And(by_x, hn::Eq(next, t)));
   const MF late = hn::Or(hn::Gt(last, t), hn::AndNot(by_x, hn::Eq(last, t)));
-  const VF other = hn::Add(c, hn::Sub(hn::IfThenElseZero(early, sign), hn::IfThenElseZero(hn::AndNot(early, late), sign)));
+  const VF other =
+      hn::Add(c, hn::Sub(hn::IfThenElseZero(early, sign), hn::IfThenElseZero(hn::AndNot(early, late), sign)));
 
   const MF walks = hn::And(r.alive, hn::Gt(k, hn::Zero(f32)));  // not on a wall or the ring
   const MF within = hn::Lt(t, reach);
@@ -133,8 +139,9 @@ HWY_INLINE VF range_of(const RayMap& map, const Rays& r, VF u, VF v, VF range_ma
   const VF t = hn::Max(hn::Max(tx, ty), hn::Zero(f32));
   const VF range = hn::Min(hn::Mul(t, hn::Set(f32, map.resolution_m)), range_max);
   const VF zero = hn::Zero(f32);
-  const MF inside = hn::And(hn::And(hn::Ge(r.i, zero), hn::Lt(r.i, hn::Set(f32, static_cast<float>(map.width)))),
-                            hn::And(hn::Ge(r.j, zero), hn::Lt(r.j, hn::Set(f32, static_cast<float>(map.height)))));
+  const MF inside =
+      hn::And(hn::And(hn::Ge(r.i, zero), hn::Lt(r.i, hn::Set(f32, static_cast<float>(map.width)))),
+              hn::And(hn::Ge(r.j, zero), hn::Lt(r.j, hn::Set(f32, static_cast<float>(map.height)))));
   return hn::IfThenElse(inside, range, range_max);
 }
 
@@ -187,9 +194,11 @@ void trace_particle(const RayTraceArgs& args, std::size_t particle, float* expec
 }
 
 void ray_trace(const RayTraceArgs& args, Workers& workers) {
-  parallel_blocks(args.particles.count, workers.threads, 1, [&](std::size_t begin, std::size_t end) PARLOC_SIMD_LOOP {
-    for (std::size_t i = begin; i < end; ++i) trace_particle(args, i, args.expected_m + i * args.beams.count);
-  });
+  parallel_blocks(args.particles.count, workers.threads, 1,
+                  [&](std::size_t begin, std::size_t end) PARLOC_SIMD_LOOP {
+                    for (std::size_t i = begin; i < end; ++i)
+                      trace_particle(args, i, args.expected_m + i * args.beams.count);
+                  });
 }
 
 }  // namespace parloc::cpu

@@ -1,4 +1,5 @@
-// Inclusive sums of 64-bit integers on several threads. Integer addition is associative: any split gives the same.
+// Inclusive sums of 64-bit integers on several threads. Integer addition is associative: any split gives the
+// same.
 #pragma once
 
 #include <cstdint>

@@ -10,7 +10,8 @@ namespace {
 Simd best_of_this_cpu() {
 #if defined(__x86_64__)
   __builtin_cpu_init();
-  const bool avx2 = __builtin_cpu_supports("avx2") && __builtin_cpu_supports("fma") && __builtin_cpu_supports("bmi2");
+  const bool avx2 =
+      __builtin_cpu_supports("avx2") && __builtin_cpu_supports("fma") && __builtin_cpu_supports("bmi2");
   const bool avx512 = avx2 && __builtin_cpu_supports("avx512f") && __builtin_cpu_supports("avx512bw") &&
                       __builtin_cpu_supports("avx512dq") && __builtin_cpu_supports("avx512vl") &&
                       __builtin_cpu_supports("avx512cd");
@@ -36,14 +37,21 @@ Simd& level() {
 
 }  // namespace
 
-Simd simd_level() { return level(); }
-void limit_simd(Simd most) { level() = std::min(most, best_of_this_cpu()); }
+Simd simd_level() {
+  return level();
+}
+void limit_simd(Simd most) {
+  level() = std::min(most, best_of_this_cpu());
+}
 
 const char* simd_name(Simd l) {
   switch (l) {
-    case Simd::avx512: return "AVX-512";
-    case Simd::avx2: return "AVX2";
-    case Simd::baseline: break;
+    case Simd::avx512:
+      return "AVX-512";
+    case Simd::avx2:
+      return "AVX2";
+    case Simd::baseline:
+      break;
   }
   return "baseline";
 }

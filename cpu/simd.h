@@ -16,12 +16,13 @@ const char* simd_name(Simd level);
 #if defined(__x86_64__)
 #define PARLOC_TARGET_AVX2 __attribute__((target("avx2,fma,bmi,bmi2,lzcnt,popcnt,f16c"), noinline))
 #if defined(__clang__)
-#define PARLOC_TARGET_AVX512 \
-  __attribute__((target("avx512f,avx512bw,avx512dq,avx512vl,avx512cd,avx2,fma,bmi,bmi2,lzcnt,popcnt,f16c"), noinline))
+#define PARLOC_TARGET_AVX512                                                                                \
+  __attribute__((target("avx512f,avx512bw,avx512dq,avx512vl,avx512cd,avx2,fma,bmi,bmi2,lzcnt,popcnt,f16c"), \
+                 noinline))
 #else
-#define PARLOC_TARGET_AVX512                                                                                       \
-  __attribute__((target("avx512f,avx512bw,avx512dq,avx512vl,avx512cd,avx2,fma,bmi,bmi2,lzcnt,popcnt,f16c,"        \
-                        "prefer-vector-width=512"),                                                                \
+#define PARLOC_TARGET_AVX512                                                                               \
+  __attribute__((target("avx512f,avx512bw,avx512dq,avx512vl,avx512cd,avx2,fma,bmi,bmi2,lzcnt,popcnt,f16c," \
+                        "prefer-vector-width=512"),                                                        \
                  noinline))
 #endif
 
@@ -40,9 +41,14 @@ template <class Loop>
 inline void run_simd(const Loop& loop) {
 #if defined(__x86_64__)
   switch (simd_level()) {
-    case Simd::avx512: run_avx512(loop); return;
-    case Simd::avx2: run_avx2(loop); return;
-    case Simd::baseline: break;
+    case Simd::avx512:
+      run_avx512(loop);
+      return;
+    case Simd::avx2:
+      run_avx2(loop);
+      return;
+    case Simd::baseline:
+      break;
   }
 #endif
   loop();

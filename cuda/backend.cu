@@ -28,7 +28,11 @@ std::uint32_t power_of_two_above(std::uint64_t n) {
 class CudaBackend final : public Backend {
  public:
   CudaBackend(const BackendConfig& config, std::string device)
-      : config_(config), device_(std::move(device)), count_(static_cast<std::size_t>(config.particles)), a_(count_), b_(count_) {
+      : config_(config),
+        device_(std::move(device)),
+        count_(static_cast<std::size_t>(config.particles)),
+        a_(count_),
+        b_(count_) {
     stream_ = make_stream();
     scratch_.reserve(count_);
     weight_.reserve(count_);
@@ -38,7 +42,8 @@ class CudaBackend final : public Backend {
     for (auto* b : {&bin_key_, &bin_weight_, &cluster_weight_}) b->reserve(bins_.capacity);
     bin_parent_.reserve(bins_.capacity);
     bin_slot_.reserve(count_);
-    bins_ = {bin_key_.data(), bin_weight_.data(), cluster_weight_.data(), bin_parent_.data(), bin_slot_.data(), bins_.capacity};
+    bins_ = {bin_key_.data(),    bin_weight_.data(), cluster_weight_.data(),
+             bin_parent_.data(), bin_slot_.data(),   bins_.capacity};
     state_.from_host({StepState{}}, stream_);
     if (config.resample.scheme == ResampleScheme::residual) {
       offspring_sum_.reserve(count_);
@@ -76,8 +81,8 @@ class CudaBackend final : public Backend {
     now_ = &a_, other_ = &b_;
   }
   ParticleSet download() const override {
-    return {now_->x.to_host(count_, stream_), now_->y.to_host(count_, stream_), now_->theta.to_host(count_, stream_),
-            now_->log_weight.to_host(count_, stream_)};
+    return {now_->x.to_host(count_, stream_), now_->y.to_host(count_, stream_),
+            now_->theta.to_host(count_, stream_), now_->log_weight.to_host(count_, stream_)};
   }
 
   void predict(const MotionStep& motion, RandomKey key) override {
@@ -103,27 +108,30 @@ class CudaBackend final : public Backend {
     const bool stored = !fused && config_.sensor.model != SensorModel::likelihood_field;
     if (stored) trace();
     const std::int32_t stride = map_.width + 2;
-    const LikelihoodField field{field_.size() > 0 ? field_.data() + stride + 1 : nullptr, map_.width, map_.height, stride};
+    const LikelihoodField field{field_.size() > 0 ? field_.data() + stride + 1 : nullptr, map_.width,
+                                map_.height, stride};
     const RayTraceArgs r = ray_args();
     PARLOC_CUDA_NAMESPACE::weight(
-        {r.particles, r.beams, config_.sensor.model, static_cast<float>(config_.sensor.tempering), r.map, r.caster,
-         r.fixed_step_cells, bind_gaussian(config_.sensor), bind_censored(config_.sensor, host_beams_.range_max_m), field,
-         config_.sensor.lookup, stored ? expected_m_.data() : nullptr},
+        {r.particles, r.beams, config_.sensor.model, static_cast<float>(config_.sensor.tempering), r.map,
+         r.caster, r.fixed_step_cells, bind_gaussian(config_.sensor),
+         bind_censored(config_.sensor, host_beams_.range_max_m), field, config_.sensor.lookup,
+         stored ? expected_m_.data() : nullptr},
         stream_);
   }
 
   void normalise_scan() override {
     const double threshold = config_.resample.threshold;
-    PARLOC_CUDA_NAMESPACE::normalise_scan({now_->view(), weights_view(), threshold, threshold >= 1.0, state_.data()}, scratch_,
-                                          stream_);
+    PARLOC_CUDA_NAMESPACE::normalise_scan(
+        {now_->view(), weights_view(), threshold, threshold >= 1.0, state_.data()}, scratch_, stream_);
   }
   void estimate() override {
     PARLOC_CUDA_NAMESPACE::estimate(now_->view(), weights_view(), bins_, state_.data(), scratch_, stream_);
   }
   void resample(RandomKey key) override {
-    PARLOC_CUDA_NAMESPACE::resample({now_->view(), other_->view(), weights_view(), config_.resample.scheme, key, state_.data(),
-                                     ancestor_.data(), offspring_sum_.data(), remainder_sum_.data()},
-                                    scratch_, stream_);
+    PARLOC_CUDA_NAMESPACE::resample(
+        {now_->view(), other_->view(), weights_view(), config_.resample.scheme, key, state_.data(),
+         ancestor_.data(), offspring_sum_.data(), remainder_sum_.data()},
+        scratch_, stream_);
     std::swap(now_, other_);
   }
 
@@ -141,12 +149,19 @@ class CudaBackend final : public Backend {
   }
   RayTraceArgs ray_args() const {
     const std::int32_t stride = map_.width + 2;
-    const RayMap map{skip_.size() > 0 ? skip_.data() + stride + 1 : nullptr, map_.width, map_.height, stride,
-                     static_cast<float>(map_.resolution_m), static_cast<float>(1.0 / map_.resolution_m)};
-    const Beams beams{direction_x_.data(), direction_y_.data(), range_m_.data(), short_density_.data(), end_x_.data(),
-                      end_y_.data(), host_beams_.count, host_beams_.hits, host_beams_.range_max_m, host_beams_.sensor_x,
-                      host_beams_.sensor_y};
-    return {now_->view(), map, beams, config_.sensor.caster, static_cast<float>(config_.sensor.fixed_step_cells), nullptr};
+    const RayMap map{skip_.size() > 0 ? skip_.data() + stride + 1 : nullptr,
+                     map_.width,
+                     map_.height,
+                     stride,
+                     static_cast<float>(map_.resolution_m),
+                     static_cast<float>(1.0 / map_.resolution_m)};
+    const Beams beams{direction_x_.data(),   direction_y_.data(), range_m_.data(),
+                      short_density_.data(), end_x_.data(),       end_y_.data(),
+                      host_beams_.count,     host_beams_.hits,    host_beams_.range_max_m,
+                      host_beams_.sensor_x,  host_beams_.sensor_y};
+    return {
+        now_->view(), map, beams, config_.sensor.caster, static_cast<float>(config_.sensor.fixed_step_cells),
+        nullptr};
   }
   Weights weights_view() const { return {weight_.data(), cumulative_.data(), count_}; }
 
@@ -204,7 +219,8 @@ std::vector<std::string> describe_cuda_devices() {
 
 std::unique_ptr<Backend> make_cuda_backend(const BackendConfig& config) {
   if (cuda_device_count() == 0)
-    throw Error(ErrorKind::backend, "backend cuda: no CUDA device answers (no GPU, or no driver); use --backend cpu");
+    throw Error(ErrorKind::backend,
+                "backend cuda: no CUDA device answers (no GPU, or no driver); use --backend cpu");
   cudaDeviceProp p{};
   PARLOC_CHECK(cudaGetDeviceProperties(&p, 0), "reading the device's properties");
   return std::make_unique<cuda::CudaBackend>(config, p.name);

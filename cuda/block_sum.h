@@ -1,4 +1,5 @@
-// The fixed-shape sum of common/math/block_sum.h as kernels: one block of 256 lanes per 1024 elements, then again.
+// The fixed-shape sum of common/math/block_sum.h as kernels: one block of 256 lanes per 1024 elements, then
+// again.
 #pragma once
 
 #include "common/math/block_sum.h"

@@ -137,7 +137,8 @@ struct Finish {
 
 }  // namespace
 
-void estimate(const Particles& p, const Weights& w, const BinTable& t, StepState* state, Scratch& scratch, Stream stream) {
+void estimate(const Particles& p, const Weights& w, const BinTable& t, StepState* state, Scratch& scratch,
+              Stream stream) {
   const unsigned slots = blocks_for(t.capacity);
   std::uint64_t* best = scratch.best.data();
   launch(ClearBins{t, best}, slots, stream);
@@ -147,9 +148,11 @@ void estimate(const Particles& p, const Weights& w, const BinTable& t, StepState
   launch(FindHeaviest{t, best, false}, slots, stream);
   launch(FindHeaviest{t, best, true}, slots, stream);
   launch(TakeHeaviest{t, best, state}, 1, stream);
-  const double* mean = block_sum<kMeanSums>(p.count, MeanTerm{p, w.weight, t, state}, scratch.sums.data(), stream);
+  const double* mean =
+      block_sum<kMeanSums>(p.count, MeanTerm{p, w.weight, t, state}, scratch.sums.data(), stream);
   launch(Finish{t, mean, state, false}, 1, stream);
-  const double* cov = block_sum<kCovarianceSums>(p.count, CovarianceTerm{p, w.weight, t, state}, scratch.sums.data(), stream);
+  const double* cov =
+      block_sum<kCovarianceSums>(p.count, CovarianceTerm{p, w.weight, t, state}, scratch.sums.data(), stream);
   launch(Finish{t, cov, state, true}, 1, stream);
 }
 

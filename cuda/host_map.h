@@ -23,8 +23,8 @@ inline std::vector<std::uint32_t> squared_distance_of(const GridMap& map) {
   column_distances(occupied.data(), field.data(), map.width, map.height, map.width);
   std::vector<RowParabola> scratch(static_cast<std::size_t>(map.width));
   for (std::int32_t j = 0; j < map.height; ++j)
-    row_squared_distances(field.data() + static_cast<std::size_t>(j) * static_cast<std::size_t>(map.width), map.width,
-                          scratch.data());
+    row_squared_distances(field.data() + static_cast<std::size_t>(j) * static_cast<std::size_t>(map.width),
+                          map.width, scratch.data());
   return field;
 }
 

@@ -1,6 +1,7 @@
-// How every kernel is started, and where its memory comes from. A kernel is a plain functor, called once per thread
-// and phase; phases are separated by a block barrier. Compiled by nvcc it runs on the device; compiled as C++ the same
-// body runs on the host over (block, phase, thread), so that tests can hold it against the OpenMP twin without a GPU.
+// How every kernel is started, and where its memory comes from. A kernel is a plain functor, called once per
+// thread and phase; phases are separated by a block barrier. Compiled by nvcc it runs on the device; compiled
+// as C++ the same body runs on the host over (block, phase, thread), so that tests can hold it against the
+// OpenMP twin without a GPU.
 #pragma once
 
 #include <algorithm>
@@ -44,8 +45,8 @@ using Stream = cudaStream_t;
 
 inline void check(cudaError_t status, const char* what, const char* file, int line) {
   if (status == cudaSuccess) return;
-  throw Error(ErrorKind::internal, std::string(file) + ":" + std::to_string(line) + ": CUDA failed while " + what + ": " +
-                                       cudaGetErrorString(status));
+  throw Error(ErrorKind::internal, std::string(file) + ":" + std::to_string(line) + ": CUDA failed while " +
+                                       what + ": " + cudaGetErrorString(status));
 }
 #define PARLOC_CHECK(call, what) ::parloc::PARLOC_CUDA_NAMESPACE::check((call), (what), __FILE__, __LINE__)
 
@@ -70,20 +71,26 @@ inline void* device_alloc(std::size_t bytes) {
   PARLOC_CHECK(cudaMalloc(&p, bytes), "allocating device memory");
   return p;
 }
-inline void device_free(void* p) { (void)cudaFree(p); }
+inline void device_free(void* p) {
+  (void)cudaFree(p);
+}
 inline void copy_down(void* to, const void* from, std::size_t bytes, Stream s) {
   PARLOC_CHECK(cudaMemcpyAsync(to, from, bytes, cudaMemcpyHostToDevice, s), "copying to the device");
 }
 inline void copy_up(void* to, const void* from, std::size_t bytes, Stream s) {
   PARLOC_CHECK(cudaMemcpyAsync(to, from, bytes, cudaMemcpyDeviceToHost, s), "copying from the device");
 }
-inline void synchronise(Stream s) { PARLOC_CHECK(cudaStreamSynchronize(s), "waiting for the device"); }
+inline void synchronise(Stream s) {
+  PARLOC_CHECK(cudaStreamSynchronize(s), "waiting for the device");
+}
 inline Stream make_stream() {
   Stream s = nullptr;
   PARLOC_CHECK(cudaStreamCreateWithFlags(&s, cudaStreamNonBlocking), "creating a stream");
   return s;
 }
-inline void free_stream(Stream s) { (void)cudaStreamDestroy(s); }
+inline void free_stream(Stream s) {
+  (void)cudaStreamDestroy(s);
+}
 #else
 struct Stream {};
 
@@ -92,16 +99,27 @@ void launch(const Kernel& kernel, unsigned blocks, Stream) {
   for (unsigned block = 0; block < blocks; ++block) {
     typename Kernel::Shared shared;
     for (int phase = 0; phase < Kernel::kPhases; ++phase)
-      for (unsigned thread = 0; thread < kThreads; ++thread) kernel(Thread{block, thread, blocks}, phase, shared);
+      for (unsigned thread = 0; thread < kThreads; ++thread)
+        kernel(Thread{block, thread, blocks}, phase, shared);
   }
 }
 
-inline void* device_alloc(std::size_t bytes) { return std::malloc(bytes > 0 ? bytes : 1); }
-inline void device_free(void* p) { std::free(p); }
-inline void copy_down(void* to, const void* from, std::size_t bytes, Stream) { std::memcpy(to, from, bytes); }
-inline void copy_up(void* to, const void* from, std::size_t bytes, Stream) { std::memcpy(to, from, bytes); }
+inline void* device_alloc(std::size_t bytes) {
+  return std::malloc(bytes > 0 ? bytes : 1);
+}
+inline void device_free(void* p) {
+  std::free(p);
+}
+inline void copy_down(void* to, const void* from, std::size_t bytes, Stream) {
+  std::memcpy(to, from, bytes);
+}
+inline void copy_up(void* to, const void* from, std::size_t bytes, Stream) {
+  std::memcpy(to, from, bytes);
+}
 inline void synchronise(Stream) {}
-inline Stream make_stream() { return {}; }
+inline Stream make_stream() {
+  return {};
+}
 inline void free_stream(Stream) {}
 #endif
 

@@ -15,7 +15,9 @@ PARLOC_HD std::uint32_t ordered(float x) {
   const std::uint32_t b = bits_of(x);
   return (b >> 31) != 0 ? ~b : b | 0x80000000u;
 }
-PARLOC_HD float from_ordered(std::uint32_t o) { return float_of((o >> 31) != 0 ? o & 0x7fffffffu : ~o); }
+PARLOC_HD float from_ordered(std::uint32_t o) {
+  return float_of((o >> 31) != 0 ? o & 0x7fffffffu : ~o);
+}
 
 PARLOC_HD void raise_to(std::uint32_t* most, std::uint32_t value) {
   std::uint32_t seen = atomic_read(most);
@@ -98,11 +100,13 @@ struct Decide {
 
 }  // namespace
 
-void inclusive_scan(const std::uint64_t* in, std::uint64_t* out, std::size_t count, Scratch& scratch, Stream stream) {
+void inclusive_scan(const std::uint64_t* in, std::uint64_t* out, std::size_t count, Scratch& scratch,
+                    Stream stream) {
 #if defined(__CUDACC__)
   std::size_t bytes = scratch.scan.size();
-  PARLOC_CHECK(cub::DeviceScan::InclusiveSum(scratch.scan.data(), bytes, in, out, static_cast<int>(count), stream),
-               "scanning weights");
+  PARLOC_CHECK(
+      cub::DeviceScan::InclusiveSum(scratch.scan.data(), bytes, in, out, static_cast<int>(count), stream),
+      "scanning weights");
 #else
   (void)scratch, (void)stream;
   std::uint64_t sum = 0;
@@ -117,7 +121,8 @@ void Scratch::reserve(std::size_t particles) {
 #if defined(__CUDACC__)
   std::size_t bytes = 0;
   std::uint64_t* none = nullptr;
-  PARLOC_CHECK(cub::DeviceScan::InclusiveSum(nullptr, bytes, none, none, static_cast<int>(particles)), "sizing the scan");
+  PARLOC_CHECK(cub::DeviceScan::InclusiveSum(nullptr, bytes, none, none, static_cast<int>(particles)),
+               "sizing the scan");
   scan.reserve(bytes > 0 ? bytes : 1);
 #endif
 }

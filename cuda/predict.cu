@@ -9,8 +9,8 @@ struct Predict {
   PredictArgs a;
   PARLOC_HD void operator()(const Thread& me, int, Shared&) const {
     for (std::size_t i = me.first(); i < a.particles.count; i += me.stride())
-      predict_one(a.particles.x[i], a.particles.y[i], a.particles.theta[i], a.motion, static_cast<std::uint32_t>(i),
-                  a.key.step, a.key.seed);
+      predict_one(a.particles.x[i], a.particles.y[i], a.particles.theta[i], a.motion,
+                  static_cast<std::uint32_t>(i), a.key.step, a.key.seed);
   }
 };
 

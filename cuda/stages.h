@@ -24,6 +24,7 @@ void estimate(const Particles& particles, const Weights& weights, const BinTable
 void resample(const ResampleArgs& args, Scratch& scratch, Stream stream);
 
 /// out[i] = in[0] + ... + in[i]; in == out is allowed.
-void inclusive_scan(const std::uint64_t* in, std::uint64_t* out, std::size_t count, Scratch& scratch, Stream stream);
+void inclusive_scan(const std::uint64_t* in, std::uint64_t* out, std::size_t count, Scratch& scratch,
+                    Stream stream);
 
 }  // namespace parloc::PARLOC_CUDA_NAMESPACE

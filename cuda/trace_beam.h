@@ -17,12 +17,14 @@ PARLOC_HD Origin sensor_origin(const Particles& p, const Beams& b, const RayMap&
   return {x * map.inv_resolution, y * map.inv_resolution, h.cos, h.sin};
 }
 
-PARLOC_HD float trace_beam(const RayMap& map, const Beams& b, RayCaster caster, float step_cells, const Origin& o,
-                           std::size_t m) {
+PARLOC_HD float trace_beam(const RayMap& map, const Beams& b, RayCaster caster, float step_cells,
+                           const Origin& o, std::size_t m) {
   const float reach_cells = b.range_max_m * map.inv_resolution;
   const Ray ray = beam_ray(o.u, o.v, o.c, o.s, b.direction_x[m], b.direction_y[m]);
-  if (caster == RayCaster::fixed_step) return cast_fixed_step(map, ray, reach_cells, step_cells, b.range_max_m);
-  const RayHit hit = caster == RayCaster::dda ? cast_dda(map, ray, reach_cells) : cast_skip(map, ray, reach_cells);
+  if (caster == RayCaster::fixed_step)
+    return cast_fixed_step(map, ray, reach_cells, step_cells, b.range_max_m);
+  const RayHit hit =
+      caster == RayCaster::dda ? cast_dda(map, ray, reach_cells) : cast_skip(map, ray, reach_cells);
   return range_of_hit(ray, hit, map.resolution_m, b.range_max_m);
 }
 

@@ -5,16 +5,18 @@
 namespace parloc::PARLOC_CUDA_NAMESPACE {
 namespace {
 
-constexpr unsigned kLanes = 32;                               // threads per particle
+constexpr unsigned kLanes = 32;  // threads per particle
 constexpr unsigned kParticlesPerBlock = kThreads / kLanes;
 
 PARLOC_HD std::int32_t ray_beam(const WeightArgs& a, const Origin& o, std::size_t i, std::size_t m) {
-  const float expected_m = a.expected_m != nullptr ? a.expected_m[i * a.beams.count + m]
-                                                   : trace_beam(a.map, a.beams, a.caster, a.fixed_step_cells, o, m);
+  const float expected_m = a.expected_m != nullptr
+                               ? a.expected_m[i * a.beams.count + m]
+                               : trace_beam(a.map, a.beams, a.caster, a.fixed_step_cells, o, m);
   const float range_m = a.beams.range_m[m];
   const bool hit = m < a.beams.hits;
   if (a.model == SensorModel::gaussian)
-    return fixed_log_likelihood(hit ? a.gaussian.hit(range_m, 0.0f, expected_m) : a.gaussian.miss(range_m, expected_m));
+    return fixed_log_likelihood(hit ? a.gaussian.hit(range_m, 0.0f, expected_m)
+                                    : a.gaussian.miss(range_m, expected_m));
   return fixed_log_likelihood(hit ? a.censored.hit(range_m, a.beams.short_density[m], expected_m)
                                   : a.censored.miss(range_m, expected_m));
 }
@@ -22,7 +24,8 @@ PARLOC_HD std::int32_t ray_beam(const WeightArgs& a, const Origin& o, std::size_
 PARLOC_HD std::int32_t field_beam(const WeightArgs& a, float u0, float v0, const SinCos& h, std::size_t m) {
   const float u = base_to_grid_x(u0, h.cos, h.sin, a.beams.end_x[m], a.beams.end_y[m]);
   const float v = base_to_grid_y(v0, h.cos, h.sin, a.beams.end_x[m], a.beams.end_y[m]);
-  return fixed_log_likelihood(a.lookup == FieldLookup::bilinear ? a.field.bilinear(u, v) : a.field.nearest(u, v));
+  return fixed_log_likelihood(a.lookup == FieldLookup::bilinear ? a.field.bilinear(u, v)
+                                                                : a.field.nearest(u, v));
 }
 
 /// Sum of this lane's beams, m = lane, lane + 32, ...: integers, so the lanes may add up in any order.
@@ -54,8 +57,8 @@ struct WeightGroup {  // a block weighs kParticlesPerBlock particles
     if (i >= a.particles.count) return;
     if (phase == 1) atomic_add(&shared.sum[slot], static_cast<std::uint64_t>(lane_sum(a, i, lane)));
     if (phase == 2 && lane == 0)
-      a.particles.log_weight[i] =
-          tempered_log_weight(a.particles.log_weight[i], static_cast<std::int64_t>(shared.sum[slot]), a.tempering);
+      a.particles.log_weight[i] = tempered_log_weight(
+          a.particles.log_weight[i], static_cast<std::int64_t>(shared.sum[slot]), a.tempering);
   }
 };
 
@@ -65,7 +68,8 @@ void weight(const WeightArgs& args, Stream stream) {
   constexpr std::size_t kPerLaunch = std::size_t{kMaxBlocks} * kParticlesPerBlock;
   for (std::size_t first = 0; first < args.particles.count; first += kPerLaunch) {
     const std::size_t here = std::min(kPerLaunch, args.particles.count - first);
-    launch(WeightGroup{args, first}, static_cast<unsigned>((here + kParticlesPerBlock - 1) / kParticlesPerBlock), stream);
+    launch(WeightGroup{args, first},
+           static_cast<unsigned>((here + kParticlesPerBlock - 1) / kParticlesPerBlock), stream);
   }
 }
 

@@ -48,7 +48,8 @@ struct SimulatedLidar {
 
 struct SimulatedOdometry {
   double rate_hz = 20.0;
-  /// Only form and alpha1..alpha4 (SPEC 1.2), applied once per odometry step. The robot's own: not the filter's defaults.
+  /// Only form and alpha1..alpha4 (SPEC 1.2), applied once per odometry step. The robot's own: not the
+  /// filter's defaults.
   MotionConfig noise{.alpha1 = 0.1, .alpha2 = 0.05, .alpha3 = 0.1, .alpha4 = 0.05};
   double scale_translation = 1.0;  ///< Wrong wheel radius.
   double scale_rotation = 1.0;     ///< Wrong wheel base.

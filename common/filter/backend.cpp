@@ -31,12 +31,15 @@ std::vector<std::string> describe_devices() {
 std::unique_ptr<Backend> make_backend(BackendChoice choice, const BackendConfig& config, std::string& why) {
   if (choice == BackendChoice::cuda)
     throw Error(ErrorKind::backend,
-                "backend cuda is not in this build: configure with PARLOC_CUDA=ON and a CUDA toolkit, or use --backend cpu");
+                "backend cuda is not in this build: configure with PARLOC_CUDA=ON and a CUDA toolkit, or use "
+                "--backend cpu");
   why = choice == BackendChoice::cpu ? "cpu, as asked" : "cpu: this build has no CUDA backend";
   return make_cpu_backend(config);
 }
 
-std::vector<std::string> describe_devices() { return {describe_cpu(), "cuda: not in this build (PARLOC_CUDA=OFF)"}; }
+std::vector<std::string> describe_devices() {
+  return {describe_cpu(), "cuda: not in this build (PARLOC_CUDA=OFF)"};
+}
 #endif
 
 }  // namespace parloc

@@ -25,9 +25,9 @@ struct BackendConfig {
   ResampleConfig resample;
 };
 
-/// Calls of one step come in this order: predict, [set_scan, weight, normalise_scan], estimate, [resample], finish.
-/// Everything before finish() may be asynchronous; finish() is the only synchronisation and brings up StepState.
-/// Nothing allocates after the first step with the largest scan. Not thread-safe.
+/// Calls of one step come in this order: predict, [set_scan, weight, normalise_scan], estimate, [resample],
+/// finish. Everything before finish() may be asynchronous; finish() is the only synchronisation and brings up
+/// StepState. Nothing allocates after the first step with the largest scan. Not thread-safe.
 class Backend {
  public:
   virtual ~Backend() = default;
@@ -35,14 +35,16 @@ class Backend {
 
   /// Uploads what the sensor model needs of the map. Once, before the first step.
   virtual void set_map(const GridMap& map) = 0;
-  /// Table of the likelihood field, whose scale depends on the sensor's maximum range. Called when that changes.
+  /// Table of the likelihood field, whose scale depends on the sensor's maximum range. Called when that
+  /// changes.
   virtual void set_range_max(double range_max_m) = 0;
   virtual void upload(const ParticleSet& particles) = 0;
   virtual ParticleSet download() const = 0;
 
   virtual void predict(const MotionStep& motion, RandomKey key) = 0;
   virtual void set_scan(const BeamTable& beams) = 0;
-  /// Expected ranges of every particle and beam, downloaded: [N][M]. For tests and pictures, not part of a step.
+  /// Expected ranges of every particle and beam, downloaded: [N][M]. For tests and pictures, not part of a
+  /// step.
   virtual std::vector<float> ray_trace() = 0;
   /// fused false: through an N x M array of expected ranges, the reference of the fused path.
   virtual void weight(bool fused) = 0;

@@ -1,6 +1,6 @@
-// The heaviest cluster of a particle set: occupied bins of 0.5 m x 0.5 m x 10 degrees (Fox 2003), joined where they
-// touch (26 neighbours, heading cyclic). A hash table with integer weights and roots chosen by key: the result does
-// not depend on the order in which threads insert or join.
+// The heaviest cluster of a particle set: occupied bins of 0.5 m x 0.5 m x 10 degrees (Fox 2003), joined
+// where they touch (26 neighbours, heading cyclic). A hash table with integer weights and roots chosen by
+// key: the result does not depend on the order in which threads insert or join.
 #pragma once
 
 #include <cstddef>
@@ -52,8 +52,8 @@ struct BinTable {
   std::uint64_t* key = nullptr;             ///< [capacity] kNoBin where empty
   std::uint64_t* weight = nullptr;          ///< [capacity] of the bin
   std::uint64_t* cluster_weight = nullptr;  ///< [capacity] of the cluster, at its root
-  std::uint32_t* parent = nullptr;          ///< [capacity] union-find; the root has the smallest key of its cluster
-  std::uint32_t* slot_of = nullptr;         ///< [N] where a particle's bin is
+  std::uint32_t* parent = nullptr;   ///< [capacity] union-find; the root has the smallest key of its cluster
+  std::uint32_t* slot_of = nullptr;  ///< [N] where a particle's bin is
   std::uint32_t capacity = 0;
 };
 
@@ -68,7 +68,8 @@ PARLOC_HD std::int32_t bin_index(float metres) {
 }
 
 PARLOC_HD std::uint64_t bin_key_of(float x_m, float y_m, float theta_rad) {
-  const std::int32_t t = static_cast<std::int32_t>(floor_of((theta_rad + 3.14159274f) * (kHeadingBins / 6.28318548f)));
+  const std::int32_t t =
+      static_cast<std::int32_t>(floor_of((theta_rad + 3.14159274f) * (kHeadingBins / 6.28318548f)));
   return bin_key(bin_index(x_m), bin_index(y_m), t < 0 ? 0 : (t >= kHeadingBins ? kHeadingBins - 1 : t));
 }
 

@@ -1,5 +1,6 @@
 // Every setting of the particle filter, with its default. The only place where a default is written.
-// common/io/config.h reads and prints these as YAML; common/filter/config_fields.h lists their names and limits.
+// common/io/config.h reads and prints these as YAML; common/filter/config_fields.h lists their names and
+// limits.
 #pragma once
 
 #include <cstdint>
@@ -24,10 +25,10 @@ struct MotionConfig {
 enum class ZeroPolicy { invalid, miss };
 /// Which beams of a scan are used, and what their values mean (SPEC 0.3).
 struct ScanConfig {
-  int max_beams = 100;                       ///< Evenly spaced in index.
-  int min_beams = 5;                         ///< Fewer usable beams: prediction only.
-  double laser_min_range = 0.1;              ///< Used where the log gives none [m].
-  double laser_max_range = 40.0;             ///< Used where the log gives none [m].
+  int max_beams = 100;            ///< Evenly spaced in index.
+  int min_beams = 5;              ///< Fewer usable beams: prediction only.
+  double laser_min_range = 0.1;   ///< Used where the log gives none [m].
+  double laser_max_range = 40.0;  ///< Used where the log gives none [m].
   ZeroPolicy zero_policy = ZeroPolicy::invalid;
 };
 
@@ -37,15 +38,15 @@ enum class FieldLookup { nearest, bilinear };
 /// p(scan | pose, map) (SPEC 3). One group for all models; each uses the keys it knows.
 struct SensorConfig {
   SensorModel model = SensorModel::likelihood_field;
-  double sigma_hit = 0.1;   ///< Standard deviation of a range (ray models) or of a wall's place (field) [m].
+  double sigma_hit = 0.1;  ///< Standard deviation of a range (ray models) or of a wall's place (field) [m].
   double z_hit = 0.9, z_short = 0.0, z_max = 0.0, z_rand = 0.1;  ///< Mixture; the sum must be 1.
-  double lambda_short = 0.5;              ///< [1/m]
-  double laser_likelihood_max_dist = 2.0; ///< Cap of the distance field [m].
-  double tempering = 0.1;                 ///< beta: beams are not independent (SPEC 3.2).
+  double lambda_short = 0.5;                                     ///< [1/m]
+  double laser_likelihood_max_dist = 2.0;                        ///< Cap of the distance field [m].
+  double tempering = 0.1;  ///< beta: beams are not independent (SPEC 3.2).
   FieldLookup lookup = FieldLookup::bilinear;
   RayCaster caster = RayCaster::skip;
-  double fixed_step_cells = 0.5;          ///< Step of the fixed_step caster, in cells.
-  bool unknown_blocks = true;             ///< A ray ends at an unknown cell.
+  double fixed_step_cells = 0.5;  ///< Step of the fixed_step caster, in cells.
+  bool unknown_blocks = true;     ///< A ray ends at an unknown cell.
 };
 
 enum class ResampleScheme { systematic, stratified, residual, multinomial, multinomial_linear };
@@ -65,11 +66,11 @@ struct FilterConfig {
   std::int64_t particles = 2000;  ///< 1 to 16,777,216.
   std::uint64_t seed = 1;
   BackendChoice backend = BackendChoice::automatic;
-  int threads = 0;                ///< 0: all cores.
-  double initial_sigma_xy = 0.2;        ///< Spread of a start pose given without one [m].
-  double initial_sigma_theta = 0.1;     ///< [rad]
-  double update_min_d = 0.0;      ///< Weigh a scan after this much translation [m] ...
-  double update_min_a = 0.0;      ///< ... or this much rotation [rad]; both 0: every scan.
+  int threads = 0;                   ///< 0: all cores.
+  double initial_sigma_xy = 0.2;     ///< Spread of a start pose given without one [m].
+  double initial_sigma_theta = 0.1;  ///< [rad]
+  double update_min_d = 0.0;         ///< Weigh a scan after this much translation [m] ...
+  double update_min_a = 0.0;         ///< ... or this much rotation [rad]; both 0: every scan.
   MotionConfig motion;
   ScanConfig scan;
   SensorConfig sensor;

@@ -1,4 +1,5 @@
-// Terms and finishing of the weighted mean and covariance (SPEC 4): both of all particles and of the heaviest cluster.
+// Terms and finishing of the weighted mean and covariance (SPEC 4): both of all particles and of the heaviest
+// cluster.
 #pragma once
 
 #include "common/filter/stages.h"
@@ -11,7 +12,8 @@ constexpr int kMeanSums = 8;         // x, y, sin, cos of all; the same of the c
 constexpr int kCovarianceSums = 12;  // xx, xy, xt, yy, yt, tt of all; the same of the cluster
 
 /// First pass: weighted sums of x, y, sin(theta), cos(theta). `in_cluster` is 1 or 0.
-PARLOC_HD SumVector<kMeanSums> mean_terms(float x, float y, float theta, std::uint64_t weight, bool in_cluster) {
+PARLOC_HD SumVector<kMeanSums> mean_terms(float x, float y, float theta, std::uint64_t weight,
+                                          bool in_cluster) {
   const double w = static_cast<double>(weight);
   const double c = in_cluster ? w : 0.0;
   const SinCos a = portable_sincos(theta);
@@ -22,7 +24,8 @@ PARLOC_HD SumVector<kMeanSums> mean_terms(float x, float y, float theta, std::ui
 
 /// Second pass: weighted products about the two means, heading difference wrapped.
 PARLOC_HD SumVector<kCovarianceSums> covariance_terms(float x, float y, float theta, std::uint64_t weight,
-                                                      bool in_cluster, const Moments& all, const Moments& cluster) {
+                                                      bool in_cluster, const Moments& all,
+                                                      const Moments& cluster) {
   const double w = static_cast<double>(weight);
   const double c = in_cluster ? w : 0.0;
   const double ax = x - all.x, ay = y - all.y, at = wrap64(theta - all.theta);

@@ -13,8 +13,8 @@ PARLOC_HD float valid_log_weight(float log_weight) {
   return log_weight < __builtin_inff() ? log_weight : kNoWeight;  // false for NaN too
 }
 
-/// Shifts a log-weight to maximum 0 and returns its integer weight. A weight of zero stays zero: its log-weight
-/// becomes -inf, so that whoever skips such a particle and whoever computes it agree afterwards.
+/// Shifts a log-weight to maximum 0 and returns its integer weight. A weight of zero stays zero: its
+/// log-weight becomes -inf, so that whoever skips such a particle and whoever computes it agree afterwards.
 PARLOC_HD std::uint64_t normalise_one(float& log_weight, const StepState& state, int bits) {
   if (state.degenerate != 0) {
     log_weight = 0.0f;
@@ -27,7 +27,8 @@ PARLOC_HD std::uint64_t normalise_one(float& log_weight, const StepState& state,
 }
 
 /// N_eff = total^2 / sum(q^2) and the decision, from sums that no thread schedule can change.
-PARLOC_HD void decide_resampling(StepState& state, double squares, std::size_t count, double threshold, bool always) {
+PARLOC_HD void decide_resampling(StepState& state, double squares, std::size_t count, double threshold,
+                                 bool always) {
   const double total = static_cast<double>(state.total);
   state.n_eff = total * total / squares;
   const bool few = total * total < threshold * static_cast<double>(count) * squares;

@@ -13,7 +13,9 @@
 namespace parloc {
 namespace {
 
-bool finite(const Pose& p) { return std::isfinite(p.x_m) && std::isfinite(p.y_m) && std::isfinite(p.theta_rad); }
+bool finite(const Pose& p) {
+  return std::isfinite(p.x_m) && std::isfinite(p.y_m) && std::isfinite(p.theta_rad);
+}
 
 bool has_free_cell(const GridMap& map) {
   for (const Cell c : map.cells)
@@ -63,8 +65,8 @@ struct ParticleFilter::State {
   std::unique_ptr<Backend> backend;
   BeamTable beams;
   BeamCounts counts;
-  double range_max_m = 0.0;         // that the backend's tables are made for
-  std::optional<Pose> odometry;     // at the last processed step
+  double range_max_m = 0.0;      // that the backend's tables are made for
+  std::optional<Pose> odometry;  // at the last processed step
   Estimate last;
   std::size_t jumps = 0, steps = 0;
   bool started = false;
@@ -107,13 +109,15 @@ void ParticleFilter::State::remember(const Estimate& e) {
   last = e;
 }
 
-ParticleFilter::ParticleFilter(const FilterConfig& config, const GridMap& map) : state_(std::make_unique<State>()) {
+ParticleFilter::ParticleFilter(const FilterConfig& config, const GridMap& map)
+    : state_(std::make_unique<State>()) {
   validate(config);
   if (!has_free_cell(map)) throw Error(ErrorKind::input, map.name + ": the map has no free cell");
   state_->config = config;
   state_->map = map;
   std::string why;
-  state_->backend = make_backend(config.backend, {config.particles, config.threads, config.sensor, config.resample}, why);
+  state_->backend =
+      make_backend(config.backend, {config.particles, config.threads, config.sensor, config.resample}, why);
   state_->backend->set_map(map);
 }
 
@@ -127,12 +131,15 @@ void ParticleFilter::start_at(const Pose& pose, double sigma_x_m, double sigma_y
   const Pose in_grid = relative(pose, s.map.T_map_grid);
   const double cells_x = in_grid.x_m / s.map.resolution_m, cells_y = in_grid.y_m / s.map.resolution_m;
   if (!(cells_x >= 0 && cells_y >= 0 && cells_x < s.map.width && cells_y < s.map.height))
-    throw Error(ErrorKind::input, "start pose (" + std::to_string(pose.x_m) + ", " + std::to_string(pose.y_m) +
-                                      "): expected a point inside the map " + s.map.name);
+    throw Error(ErrorKind::input, "start pose (" + std::to_string(pose.x_m) + ", " +
+                                      std::to_string(pose.y_m) + "): expected a point inside the map " +
+                                      s.map.name);
   for (const double sigma : {sigma_x_m, sigma_y_m, sigma_theta_rad})
     if (!(sigma >= 0) || !std::isfinite(sigma))
-      throw Error(ErrorKind::input, "start pose: expected standard deviations that are finite and not negative");
-  s.begin(gaussian_start(s.map, pose, sigma_x_m, sigma_y_m, sigma_theta_rad, s.config.particles, s.config.seed));
+      throw Error(ErrorKind::input,
+                  "start pose: expected standard deviations that are finite and not negative");
+  s.begin(
+      gaussian_start(s.map, pose, sigma_x_m, sigma_y_m, sigma_theta_rad, s.config.particles, s.config.seed));
 }
 
 void ParticleFilter::start_anywhere() {
@@ -167,8 +174,8 @@ Estimate ParticleFilter::step(const Pose& odometry, const Scan& scan) {
     s.backend->weight(true);  // algorithms 1 and 3, fused
   }
   s.backend->normalise_scan();
-  s.backend->estimate();                          // eq. 13, with a circular mean; before resampling
-  if (weighted) s.backend->resample(s.key());     // algorithm 4, when N_eff asks for it
+  s.backend->estimate();                       // eq. 13, with a circular mean; before resampling
+  if (weighted) s.backend->resample(s.key());  // algorithm 4, when N_eff asks for it
   const Estimate e = to_estimate(s.backend->finish(), s.config, s.map.T_map_grid, weighted);
   s.remember(e);
   ++s.steps;
@@ -192,12 +199,24 @@ std::vector<Particle> ParticleFilter::particles() const {
   return out;
 }
 
-const BeamCounts& ParticleFilter::beam_counts() const { return state_->counts; }
-std::size_t ParticleFilter::odometry_jumps() const { return state_->jumps; }
-std::size_t ParticleFilter::steps() const { return state_->steps; }
-std::string ParticleFilter::backend_name() const { return state_->backend->name(); }
-const FilterConfig& ParticleFilter::config() const { return state_->config; }
-const GridMap& ParticleFilter::map() const { return state_->map; }
+const BeamCounts& ParticleFilter::beam_counts() const {
+  return state_->counts;
+}
+std::size_t ParticleFilter::odometry_jumps() const {
+  return state_->jumps;
+}
+std::size_t ParticleFilter::steps() const {
+  return state_->steps;
+}
+std::string ParticleFilter::backend_name() const {
+  return state_->backend->name();
+}
+const FilterConfig& ParticleFilter::config() const {
+  return state_->config;
+}
+const GridMap& ParticleFilter::map() const {
+  return state_->map;
+}
 
 std::string ParticleFilter::digest() const {
   Sha256 sha = state_->estimates;

@@ -1,4 +1,5 @@
-// The bootstrap particle filter: predict, weight, normalise, estimate, resample (Paz et al. 2012, algorithm 2).
+// The bootstrap particle filter: predict, weight, normalise, estimate, resample (Paz et al. 2012, algorithm
+// 2).
 #pragma once
 
 #include <cstdint>
@@ -33,7 +34,7 @@ struct Estimate {
   PoseEstimate mean;      ///< All particles.
   PoseEstimate cluster;   ///< The heaviest connected cluster of 0.5 m x 0.5 m x 10 degree bins.
   double n_eff = 0.0;
-  bool weighted = false;           ///< A scan was used (else prediction only).
+  bool weighted = false;  ///< A scan was used (else prediction only).
   bool resampled = false;
   bool lost = false;               ///< Every particle had weight zero: weights were made uniform.
   bool ambiguous_heading = false;  ///< The mean's heading is undefined; the cluster's was taken.
@@ -41,10 +42,10 @@ struct Estimate {
 
 /// How the beams of a scan were sorted out; also summed over a run.
 struct BeamCounts {
-  std::size_t total = 0;        ///< In the scan.
-  std::size_t considered = 0;   ///< After even decimation to max_beams.
-  std::size_t used = 0;         ///< Gave evidence.
-  std::size_t misses = 0;       ///< Among the considered: at or above the maximum, or +inf.
+  std::size_t total = 0;       ///< In the scan.
+  std::size_t considered = 0;  ///< After even decimation to max_beams.
+  std::size_t used = 0;        ///< Gave evidence.
+  std::size_t misses = 0;      ///< Among the considered: at or above the maximum, or +inf.
   std::size_t nan = 0, infinite = 0, negative = 0, zero = 0, below_min = 0;  ///< Rejected, by reason.
 };
 
@@ -53,12 +54,12 @@ struct Particle {
   float x_m, y_m, theta_rad, weight;
 };
 
-/// Not thread-safe; one object per filter. Deterministic: the same configuration, map and calls give the same bits
-/// on every backend, thread count and instruction set (docs/determinism.md).
+/// Not thread-safe; one object per filter. Deterministic: the same configuration, map and calls give the same
+/// bits on every backend, thread count and instruction set (docs/determinism.md).
 class ParticleFilter {
  public:
-  /// Throws Error{config} for an impossible configuration, Error{backend} if the backend is not there, Error{input}
-  /// for a map without free cells.
+  /// Throws Error{config} for an impossible configuration, Error{backend} if the backend is not there,
+  /// Error{input} for a map without free cells.
   ParticleFilter(const FilterConfig& config, const GridMap& map);
   ~ParticleFilter();
   ParticleFilter(ParticleFilter&&) noexcept;
@@ -75,10 +76,10 @@ class ParticleFilter {
 
   /// The particles of the last step (downloads them).
   std::vector<Particle> particles() const;
-  const BeamCounts& beam_counts() const;   ///< Summed since the start.
-  std::size_t odometry_jumps() const;      ///< Steps longer than max_jump_m.
+  const BeamCounts& beam_counts() const;  ///< Summed since the start.
+  std::size_t odometry_jumps() const;     ///< Steps longer than max_jump_m.
   std::size_t steps() const;
-  std::string backend_name() const;        ///< "cpu (AVX-512, 2 threads)" or "cuda (device name)".
+  std::string backend_name() const;  ///< "cpu (AVX-512, 2 threads)" or "cuda (device name)".
   const FilterConfig& config() const;
   const GridMap& map() const;
   /// SHA-256 over particles by slot and over every step's estimate, hex.

@@ -1,5 +1,5 @@
-// Which particle survives in which slot: integers only, so that equal weights give equal ancestors on every backend
-// (SPEC 5.3, 5.4).
+// Which particle survives in which slot: integers only, so that equal weights give equal ancestors on every
+// backend (SPEC 5.3, 5.4).
 #pragma once
 
 #include "common/filter/stages.h"
@@ -9,7 +9,8 @@
 namespace parloc {
 
 /// The smallest i with cumulative[i] > threshold, by bisection. cumulative[count - 1] > threshold must hold.
-PARLOC_HD std::uint32_t first_above(const std::uint64_t* cumulative, std::size_t count, std::uint64_t threshold) {
+PARLOC_HD std::uint32_t first_above(const std::uint64_t* cumulative, std::size_t count,
+                                    std::uint64_t threshold) {
   std::size_t low = 0, high = count - 1;
   while (low < high) {
     const std::size_t middle = (low + high) / 2;
@@ -22,7 +23,8 @@ PARLOC_HD std::uint32_t first_above(const std::uint64_t* cumulative, std::size_t
 }
 
 /// The same by the paper's linear search (Paz et al. 2012, slides): the reference of the bisection.
-PARLOC_HD std::uint32_t first_above_linear(const std::uint64_t* cumulative, std::size_t count, std::uint64_t threshold) {
+PARLOC_HD std::uint32_t first_above_linear(const std::uint64_t* cumulative, std::size_t count,
+                                           std::uint64_t threshold) {
   std::size_t i = 0;
   while (i + 1 < count && cumulative[i] <= threshold) ++i;
   return static_cast<std::uint32_t>(i);
@@ -37,8 +39,8 @@ PARLOC_HD std::uint64_t stratum(std::uint64_t j, std::uint64_t r, std::uint64_t 
 }
 
 /// The threshold in [0, total) of output slot j for the single-pass schemes.
-PARLOC_HD std::uint64_t draw_threshold(ResampleScheme scheme, std::uint64_t j, std::uint64_t n, std::uint64_t total,
-                                       const RandomKey& key) {
+PARLOC_HD std::uint64_t draw_threshold(ResampleScheme scheme, std::uint64_t j, std::uint64_t n,
+                                       std::uint64_t total, const RandomKey& key) {
   const std::uint32_t slot = static_cast<std::uint32_t>(j);
   std::uint64_t v;
   if (scheme == ResampleScheme::systematic)
@@ -50,8 +52,8 @@ PARLOC_HD std::uint64_t draw_threshold(ResampleScheme scheme, std::uint64_t j, s
   return multiply_high(v, total);
 }
 
-/// Residual scheme: whole copies of a particle, floor(N q / T), and what is left over (scaled down by `shift` bits
-/// where the sum of the left-overs would not fit 64 bits).
+/// Residual scheme: whole copies of a particle, floor(N q / T), and what is left over (scaled down by `shift`
+/// bits where the sum of the left-overs would not fit 64 bits).
 PARLOC_HD std::uint64_t whole_copies(std::uint64_t weight, std::uint64_t n, std::uint64_t total) {
   return n * weight / total;
 }

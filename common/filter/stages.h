@@ -1,21 +1,21 @@
-// THE STAGE CONTRACT. The six stages exist under the same names in cpu/ (OpenMP) and cuda/ (kernels); both are only
-// loops over the functions in common/, so that every array below holds the same bits on both.
+// THE STAGE CONTRACT. The six stages exist under the same names in cpu/ (OpenMP) and cuda/ (kernels); both
+// are only loops over the functions in common/, so that every array below holds the same bits on both.
 //
-// Frame and units: particles live in the grid frame of the map (origin at its lower-left corner), float32 metres and
-// radians, so that coordinates stay small. Angles in [-pi, pi). N particles (1 to 2^24), M beams (0 to 4096).
-// Storage slots never move; slot i is also the random counter of particle i.
-// Memory: every pointer is in the backend's space. The caller owns it; no stage allocates.
-// Failure: stages do not fail on data. NaN log-weights count as -inf; if all are -inf, the weights become uniform and
-// `degenerate` is set. A failing device throws Error{internal}.
+// Frame and units: particles live in the grid frame of the map (origin at its lower-left corner), float32
+// metres and radians, so that coordinates stay small. Angles in [-pi, pi). N particles (1 to 2^24), M beams
+// (0 to 4096). Storage slots never move; slot i is also the random counter of particle i. Memory: every
+// pointer is in the backend's space. The caller owns it; no stage allocates. Failure: stages do not fail on
+// data. NaN log-weights count as -inf; if all are -inf, the weights become uniform and `degenerate` is set. A
+// failing device throws Error{internal}.
 //
-// | stage          | reads                                    | writes                                            |
+// | stage          | reads                                    | writes |
 // |----------------|------------------------------------------|---------------------------------------------------|
-// | predict        | poses, MotionStep                        | poses                                             |
-// | ray_trace      | poses, map, beams                        | expected_m[N][M] (unfused reference)              |
-// | weight         | poses, map, beams (or expected_m)        | log_weight += tempering * sum of beams            |
-// | normalise_scan | log_weight                               | log_weight - max, weight[N], cumulative[N], state |
-// | estimate       | poses, weight, state                     | state.moments of all and of the heaviest cluster  |
-// | resample       | poses, weight, cumulative, state         | ancestor[N], the other pose buffer, log_weight    |
+// | predict        | poses, MotionStep                        | poses | | ray_trace      | poses, map, beams
+// | expected_m[N][M] (unfused reference)              | | weight         | poses, map, beams (or expected_m)
+// | log_weight += tempering * sum of beams            | | normalise_scan | log_weight | log_weight - max,
+// weight[N], cumulative[N], state | | estimate       | poses, weight, state                     |
+// state.moments of all and of the heaviest cluster  | | resample       | poses, weight, cumulative, state |
+// ancestor[N], the other pose buffer, log_weight    |
 #pragma once
 
 #include <cstddef>
@@ -75,28 +75,30 @@ struct RayTraceArgs {
   float* expected_m = nullptr;  ///< [N][M], row per particle; range_max_m where nothing is hit.
 };
 
-/// `expected_m` null: rays are traced on the fly (fused), nothing of size N x M is stored. Same bits either way.
+/// `expected_m` null: rays are traced on the fly (fused), nothing of size N x M is stored. Same bits either
+/// way.
 struct WeightArgs {
   Particles particles;
   Beams beams;
   SensorModel model = SensorModel::likelihood_field;
   float tempering = 1.0f;
-  RayMap map;                   ///< ray models
+  RayMap map;  ///< ray models
   RayCaster caster = RayCaster::skip;
   float fixed_step_cells = 0.5f;
-  GaussianBeam gaussian;        ///< model == gaussian
-  CensoredBeam censored;        ///< model == beam
-  LikelihoodField field;        ///< model == likelihood_field
+  GaussianBeam gaussian;  ///< model == gaussian
+  CensoredBeam censored;  ///< model == beam
+  LikelihoodField field;  ///< model == likelihood_field
   FieldLookup lookup = FieldLookup::bilinear;
   const float* expected_m = nullptr;
 };
 
 /// Weighted sums that an estimate is made of; in the grid frame.
 struct Moments {
-  double weight = 0;                        ///< Share of the total.
-  double x = 0, y = 0, theta = 0;           ///< Mean; theta circular.
-  double resultant = 0;                     ///< R of the circular mean.
-  double xx = 0, xy = 0, xt = 0, yy = 0, yt = 0, tt = 0;  ///< Covariance about the mean, heading differences wrapped.
+  double weight = 0;               ///< Share of the total.
+  double x = 0, y = 0, theta = 0;  ///< Mean; theta circular.
+  double resultant = 0;            ///< R of the circular mean.
+  double xx = 0, xy = 0, xt = 0, yy = 0, yt = 0,
+         tt = 0;  ///< Covariance about the mean, heading differences wrapped.
 };
 
 /// The one small struct that comes up per step.
@@ -131,7 +133,7 @@ struct BinTable;
 
 struct ResampleArgs {
   Particles from;
-  Particles to;             ///< The other buffer; always written: copies when state.resample is 0.
+  Particles to;  ///< The other buffer; always written: copies when state.resample is 0.
   Weights weights;
   ResampleScheme scheme = ResampleScheme::systematic;
   RandomKey key;

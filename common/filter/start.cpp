@@ -14,8 +14,8 @@ ParticleSet empty_set(std::int64_t particles) {
 
 }  // namespace
 
-ParticleSet gaussian_start(const GridMap& map, const Pose& pose, double sx, double sy, double st, std::int64_t particles,
-                           std::uint64_t seed) {
+ParticleSet gaussian_start(const GridMap& map, const Pose& pose, double sx, double sy, double st,
+                           std::int64_t particles, std::uint64_t seed) {
   ParticleSet set = empty_set(particles);
   for (std::size_t i = 0; i < set.x.size(); ++i) {
     const Normals n = normals(philox(static_cast<std::uint32_t>(i), 0, Stream::gaussian_start, 0, seed));
@@ -38,7 +38,8 @@ ParticleSet uniform_start(const GridMap& map, std::int64_t particles, std::uint6
   const auto width = static_cast<std::uint32_t>(map.width);
   for (std::size_t i = 0; i < set.x.size(); ++i) {
     const Philox4x32 r = philox(static_cast<std::uint32_t>(i), 0, Stream::uniform_start, 0, seed);
-    const std::uint32_t cell = free_cells[uniform_below(r.w[0], static_cast<std::uint32_t>(free_cells.size()))];
+    const std::uint32_t cell =
+        free_cells[uniform_below(r.w[0], static_cast<std::uint32_t>(free_cells.size()))];
     set.x[i] = (static_cast<float>(cell % width) + uniform_unit(r.w[1])) * resolution_m;
     set.y[i] = (static_cast<float>(cell / width) + uniform_unit(r.w[2])) * resolution_m;
     set.theta[i] = wrap(fused(6.28318548f, uniform_unit(r.w[3]), -3.14159274f));

@@ -8,7 +8,8 @@
 
 namespace parloc {
 
-/// Gaussian about a pose of the map frame; normals 0 to 2 of stream gaussian_start are x, y, theta, along the map's axes.
+/// Gaussian about a pose of the map frame; normals 0 to 2 of stream gaussian_start are x, y, theta, along the
+/// map's axes.
 ParticleSet gaussian_start(const GridMap& map, const Pose& pose_in_map, double sigma_x_m, double sigma_y_m,
                            double sigma_theta_rad, std::int64_t particles, std::uint64_t seed);
 

@@ -17,8 +17,8 @@ struct Scan {
   Pose T_base_sensor;
   double angle_min_rad = 0.0;
   double angle_step_rad = 0.0;
-  double range_min_m = 0.0;  ///< 0: the log does not say.
-  double range_max_m = 0.0;  ///< 0: the log does not say.
+  double range_min_m = 0.0;     ///< 0: the log does not say.
+  double range_max_m = 0.0;     ///< 0: the log does not say.
   std::vector<float> ranges_m;  ///< As recorded: may hold NaN, inf, zeros, values beyond the maximum.
 };
 
@@ -36,18 +36,20 @@ struct LogRecord {
 
 /// What a reader worked around. Nothing is dropped without being counted here.
 struct LogWarnings {
-  std::size_t broken_lines = 0;          ///< Skipped lines; the first few are described in `messages`.
-  std::size_t backward_stamps = 0;       ///< A scan's stamp before that of the previous scan (file order is kept).
-  std::size_t beam_count_changes = 0;    ///< A scan with another number of beams than the one before of its sensor.
-  std::size_t unknown_messages = 0;      ///< Lines of message types that parloc has no use for.
-  std::vector<std::string> messages;     ///< "file:line: what was expected", at most 20.
+  std::size_t broken_lines = 0;     ///< Skipped lines; the first few are described in `messages`.
+  std::size_t backward_stamps = 0;  ///< A scan's stamp before that of the previous scan (file order is kept).
+  std::size_t beam_count_changes =
+      0;  ///< A scan with another number of beams than the one before of its sensor.
+  std::size_t unknown_messages = 0;   ///< Lines of message types that parloc has no use for.
+  std::vector<std::string> messages;  ///< "file:line: what was expected", at most 20.
 };
 
 /// A stream of records in file order.
 class LogReader {
  public:
   virtual ~LogReader() = default;
-  /// Fills `record` with the next one; false at the end. Broken lines are skipped and counted; never throws for them.
+  /// Fills `record` with the next one; false at the end. Broken lines are skipped and counted; never throws
+  /// for them.
   virtual bool next(LogRecord& record) = 0;
   virtual const LogWarnings& warnings() const = 0;
   /// Fraction of the file read so far, 0 to 1 (compressed bytes for gzip).
@@ -62,8 +64,8 @@ std::unique_ptr<LogReader> open_carmen_log(const std::string& path);
 /// A CARMEN log already in memory, for tests and fuzzers. `name` stands for the file in messages.
 std::unique_ptr<LogReader> carmen_log_from_text(const std::string& text, const std::string& name);
 
-/// Writes one scan as a ROBOTLASER1 line (carries angles, limits and the sensor pose; ranges with 4 decimals, stamps
-/// with 6), so that open_carmen_log gives it back.
+/// Writes one scan as a ROBOTLASER1 line (carries angles, limits and the sensor pose; ranges with 4 decimals,
+/// stamps with 6), so that open_carmen_log gives it back.
 std::string carmen_line(const LogRecord& record);
 
 }  // namespace parloc

@@ -14,12 +14,13 @@ struct StampedPose {
 };
 using Trajectory = std::vector<StampedPose>;  ///< In file order; stamps may run backwards.
 
-/// Throws Error{input} with file:line for an unreadable file, a line that is not 8 numbers, a quaternion far from
-/// unit length, or a file without a pose.
+/// Throws Error{input} with file:line for an unreadable file, a line that is not 8 numbers, a quaternion far
+/// from unit length, or a file without a pose.
 Trajectory read_tum(const std::string& path);
 Trajectory tum_from_text(const std::string& text, const std::string& name);
 
-/// Stamps with 6 decimals, one row per pose, written to a temporary file that is renamed. Throws Error{output}.
+/// Stamps with 6 decimals, one row per pose, written to a temporary file that is renamed. Throws
+/// Error{output}.
 void write_tum(const std::string& path, const Trajectory& trajectory);
 
 }  // namespace parloc

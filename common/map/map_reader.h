@@ -17,12 +17,13 @@ struct GreyImage {
   std::vector<std::uint8_t> alpha;
 };
 
-/// Throws Error{input} naming file (and line, where there is one) and what was expected: an unknown key, a missing
-/// image, a resolution that is not positive, thresholds out of order, an unknown mode, a truncated image.
-/// mode trinary (default), scale and raw as in nav2 map_server; `negate` and origin yaw are honoured.
+/// Throws Error{input} naming file (and line, where there is one) and what was expected: an unknown key, a
+/// missing image, a resolution that is not positive, thresholds out of order, an unknown mode, a truncated
+/// image. mode trinary (default), scale and raw as in nav2 map_server; `negate` and origin yaw are honoured.
 GridMap read_map(const std::string& yaml_path);
 
-/// Reads P2 and P5 PGM with any maxval up to 65535, or PNG of any depth and colour type, told apart by content.
+/// Reads P2 and P5 PGM with any maxval up to 65535, or PNG of any depth and colour type, told apart by
+/// content.
 GreyImage read_image(const std::string& path);
 GreyImage read_pgm(const std::uint8_t* data, std::size_t size, const std::string& name);
 GreyImage read_png(const std::uint8_t* data, std::size_t size, const std::string& name);

@@ -1,9 +1,9 @@
-// Casting one ray through an occupancy grid. Every exact caster finds the same cell, and one formula turns the cell
-// into a range, so all of them return the identical float.
+// Casting one ray through an occupancy grid. Every exact caster finds the same cell, and one formula turns
+// the cell into a range, so all of them return the identical float.
 //
 // Units: cells, from the grid's lower-left corner. A ray crosses the vertical grid line b at parameter
-// T_x(b) = (b - u) * inv_dx and the horizontal line b at T_y(b) = (b - v) * inv_dy, both rounded to float32 and
-// both monotone in b. The order of these numbers (ties: y first) *defines* the cells that the ray visits
+// T_x(b) = (b - u) * inv_dx and the horizontal line b at T_y(b) = (b - v) * inv_dy, both rounded to float32
+// and both monotone in b. The order of these numbers (ties: y first) *defines* the cells that the ray visits
 // (Amanatides & Woo 1987, crossings recomputed from the integer index; SPEC 2.2).
 #pragma once
 
@@ -14,8 +14,9 @@
 
 namespace parloc {
 
-/// What a ray needs of a map. `skip` points at cell (0, 0) of a padded array: Chebyshev distance in cells to the
-/// nearest blocking cell or to the ring around the grid, at most 255; 0 on blocking cells and on the ring.
+/// What a ray needs of a map. `skip` points at cell (0, 0) of a padded array: Chebyshev distance in cells to
+/// the nearest blocking cell or to the ring around the grid, at most 255; 0 on blocking cells and on the
+/// ring.
 struct RayMap {
   const std::uint8_t* skip = nullptr;
   std::int32_t width = 0;
@@ -39,7 +40,9 @@ struct Ray {
 };
 
 /// A direction component this small never reaches a grid line within any map: no infinities, no 0 * inf.
-PARLOC_HD float nonzero_direction(float d) { return __builtin_fabsf(d) < 1e-12f ? 1e-20f : d; }
+PARLOC_HD float nonzero_direction(float d) {
+  return __builtin_fabsf(d) < 1e-12f ? 1e-20f : d;
+}
 
 PARLOC_HD Ray make_ray(float u, float v, float dx, float dy) {
   const float ex = nonzero_direction(dx);
@@ -47,22 +50,27 @@ PARLOC_HD Ray make_ray(float u, float v, float dx, float dy) {
   return {u, v, ex, ey, 1.0f / ex, 1.0f / ey};
 }
 
-/// The ray of a beam: (u, v) the sensor's place [cells], c and s of the particle's heading, (bx, by) the beam's
-/// direction in the base frame.
+/// The ray of a beam: (u, v) the sensor's place [cells], c and s of the particle's heading, (bx, by) the
+/// beam's direction in the base frame.
 PARLOC_HD Ray beam_ray(float u, float v, float c, float s, float bx, float by) {
   return make_ray(u, v, fused(c, bx, -(s * by)), fused(s, bx, c * by));
 }
 
 /// A point given in the base frame, in the grid frame (same unit as x, y).
-PARLOC_HD float base_to_grid_x(float x, float c, float s, float px, float py) { return fused(c, px, fused(-s, py, x)); }
-PARLOC_HD float base_to_grid_y(float y, float c, float s, float px, float py) { return fused(s, px, fused(c, py, y)); }
+PARLOC_HD float base_to_grid_x(float x, float c, float s, float px, float py) {
+  return fused(c, px, fused(-s, py, x));
+}
+PARLOC_HD float base_to_grid_y(float y, float c, float s, float px, float py) {
+  return fused(s, px, fused(c, py, y));
+}
 
 struct RayHit {
   std::int32_t i, j;  // the cell
   bool hit;           // false: nothing within reach
 };
 
-/// Parameter at which the ray enters cell (i, j): the later of its two near faces, 0 if it starts inside [cells].
+/// Parameter at which the ray enters cell (i, j): the later of its two near faces, 0 if it starts inside
+/// [cells].
 PARLOC_HD float entry_parameter(const Ray& r, std::int32_t i, std::int32_t j) {
   const float tx = (static_cast<float>(i + (r.dx < 0.0f ? 1 : 0)) - r.u) * r.inv_dx;
   const float ty = (static_cast<float>(j + (r.dy < 0.0f ? 1 : 0)) - r.v) * r.inv_dy;
@@ -75,11 +83,12 @@ PARLOC_HD float range_of_hit(const Ray& r, const RayHit& h, float resolution_m, 
   return h.hit ? min_of(range_m, range_max_m) : range_max_m;
 }
 
-/// The index along one axis after all grid lines crossed before t (inclusive: also those at t). `p` is the start and
-/// `d`, `inv` the direction of that axis. The floor of p + t d is at most one cell off; the crossings decide.
+/// The index along one axis after all grid lines crossed before t (inclusive: also those at t). `p` is the
+/// start and `d`, `inv` the direction of that axis. The floor of p + t d is at most one cell off; the
+/// crossings decide.
 PARLOC_HD std::int32_t index_at(float p, float d, float inv, float t, bool inclusive) {
   const float c = floor_of(fused(t, d, p));
-  const float below = (c - p) * inv;         // crossing of this cell's lower line
+  const float below = (c - p) * inv;           // crossing of this cell's lower line
   const float above = ((c + 1.0f) - p) * inv;  // and of its upper line
   const float next = d < 0.0f ? below : above;
   const float last = d < 0.0f ? above : below;
@@ -134,8 +143,8 @@ PARLOC_HD RayHit cast_dda(const RayMap& m, const Ray& r, float reach_cells) {
   return {0, 0, false};
 }
 
-/// The same cells, but leaving the free square around each in one step. Exact: the exit is a grid crossing, and the
-/// other axis' index at that crossing is decided by its own crossings (index_at).
+/// The same cells, but leaving the free square around each in one step. Exact: the exit is a grid crossing,
+/// and the other axis' index at that crossing is decided by its own crossings (index_at).
 PARLOC_HD RayHit cast_skip(const RayMap& m, const Ray& r, float reach_cells) {
   const RayStart s = start_cell(m, r, reach_cells);
   if (!s.inside) return {0, 0, false};
@@ -159,15 +168,17 @@ PARLOC_HD RayHit cast_skip(const RayMap& m, const Ray& r, float reach_cells) {
   }
 }
 
-/// The fixed step of Paz et al. 2012 (algorithm 1), points by multiplication; returns metres, at most range_max_m.
-/// Approximate: up to a step too long, and chords shorter than a step are missed.
-PARLOC_HD float cast_fixed_step(const RayMap& m, const Ray& r, float reach_cells, float step_cells, float range_max_m) {
+/// The fixed step of Paz et al. 2012 (algorithm 1), points by multiplication; returns metres, at most
+/// range_max_m. Approximate: up to a step too long, and chords shorter than a step are missed.
+PARLOC_HD float cast_fixed_step(const RayMap& m, const Ray& r, float reach_cells, float step_cells,
+                                float range_max_m) {
   for (std::int32_t k = 0;; ++k) {
     const float t = static_cast<float>(k) * step_cells;
     if (!(t < reach_cells)) return range_max_m;
     const float u = floor_of(fused(t, r.dx, r.u));
     const float v = floor_of(fused(t, r.dy, r.v));
-    const bool inside = u >= 0.0f && v >= 0.0f && u < static_cast<float>(m.width) && v < static_cast<float>(m.height);
+    const bool inside =
+        u >= 0.0f && v >= 0.0f && u < static_cast<float>(m.width) && v < static_cast<float>(m.height);
     if (inside && m.skip_at(static_cast<std::int32_t>(u), static_cast<std::int32_t>(v)) == 0)
       return min_of(t * m.resolution_m, range_max_m);
   }

@@ -1,6 +1,6 @@
-// Sums of float64 in a fixed shape (SPEC 0.7, D256): blocks of 1024 elements; lane t of 256 adds elements t, t + 256,
-// t + 512, t + 768 in that order; a tree with offsets 128 to 1; block sums added the same way. Missing elements add
-// exactly 0. The shape, and so the bits, do not depend on who computes which block.
+// Sums of float64 in a fixed shape (SPEC 0.7, D256): blocks of 1024 elements; lane t of 256 adds elements t,
+// t + 256, t + 512, t + 768 in that order; a tree with offsets 128 to 1; block sums added the same way.
+// Missing elements add exactly 0. The shape, and so the bits, do not depend on who computes which block.
 #pragma once
 
 #include <cstddef>
@@ -12,7 +12,9 @@ namespace parloc {
 constexpr std::size_t kSumBlock = 1024;
 constexpr std::size_t kSumLanes = 256;
 
-PARLOC_HD std::size_t sum_blocks(std::size_t count) { return (count + kSumBlock - 1) / kSumBlock; }
+PARLOC_HD std::size_t sum_blocks(std::size_t count) {
+  return (count + kSumBlock - 1) / kSumBlock;
+}
 
 /// Values of K sums.
 template <int K>

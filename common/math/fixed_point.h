@@ -8,12 +8,14 @@
 
 namespace parloc {
 
-/// Per-beam log-likelihoods are rounded to 2^-16 nat and added as 64-bit integers: any order gives the same sum.
+/// Per-beam log-likelihoods are rounded to 2^-16 nat and added as 64-bit integers: any order gives the same
+/// sum.
 constexpr float kLogLikelihoodScale = 65536.0f;
 constexpr float kLogLikelihoodFloor = -30000.0f;  // keeps one beam inside 32 bits
 
 PARLOC_HD std::int32_t fixed_log_likelihood(float log_likelihood) {
-  return static_cast<std::int32_t>(round_even(max_of(log_likelihood, kLogLikelihoodFloor) * kLogLikelihoodScale));
+  return static_cast<std::int32_t>(
+      round_even(max_of(log_likelihood, kLogLikelihoodFloor) * kLogLikelihoodScale));
 }
 
 /// log-weight after a scan: previous + tempering * sum of the beams.
@@ -32,7 +34,8 @@ PARLOC_HD int weight_bits(std::uint64_t particles) {
 /// exp(log_weight - max) as an integer of `bits` bits; 0 below 2^-(bits+1).
 PARLOC_HD std::uint64_t fixed_weight(float log_weight, float max_log_weight, int bits) {
   const float w = portable_exp(log_weight - max_log_weight);
-  // The float has 24 significant bits: scaling by a power of two is exact, and so is the conversion after rint.
+  // The float has 24 significant bits: scaling by a power of two is exact, and so is the conversion after
+  // rint.
   const float scaled = w * float_of(static_cast<std::uint32_t>(bits + 127) << 23);
   return static_cast<std::uint64_t>(static_cast<std::int64_t>(round_even(scaled)));
 }

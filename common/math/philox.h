@@ -1,5 +1,5 @@
-// Counter-based random numbers: Philox4x32-10 (Salmon et al. 2011; SPEC 0.5). No state and no order: a number is a
-// function of who asks (slot, step, stream, block) and of the seed, hence the same on every backend.
+// Counter-based random numbers: Philox4x32-10 (Salmon et al. 2011; SPEC 0.5). No state and no order: a number
+// is a function of who asks (slot, step, stream, block) and of the seed, hence the same on every backend.
 #pragma once
 
 #include <cstdint>
@@ -31,7 +31,8 @@ struct Philox4x32 {
   std::uint32_t w[4];
 };
 
-/// Ten rounds on counter (c0, c1, c2, c3) = (slot, step, stream, block) with key (seed low word, seed high word).
+/// Ten rounds on counter (c0, c1, c2, c3) = (slot, step, stream, block) with key (seed low word, seed high
+/// word).
 PARLOC_HD Philox4x32 philox(std::uint32_t c0, std::uint32_t c1, std::uint32_t c2, std::uint32_t c3,
                             std::uint64_t seed) {
   std::uint32_t k0 = static_cast<std::uint32_t>(seed);
@@ -70,7 +71,9 @@ PARLOC_HD std::uint32_t uniform_below(std::uint32_t word, std::uint32_t n) {
 }
 
 /// The first two words as one 64-bit number (w1 high).
-PARLOC_HD std::uint64_t word64(const Philox4x32& r) { return (std::uint64_t{r.w[1]} << 32) | r.w[0]; }
+PARLOC_HD std::uint64_t word64(const Philox4x32& r) {
+  return (std::uint64_t{r.w[1]} << 32) | r.w[0];
+}
 
 /// Four standard normals, two Box-Muller pairs (w0, w1) and (w2, w3). No rejection: counters never diverge.
 struct Normals {

@@ -1,6 +1,6 @@
-// float32 functions that give the same bits on every CPU and GPU (SPEC 0.6): only + - * /, sqrt, explicit fma and
-// exact conversions, in a fixed order. Branches are selects, so that loops over them vectorise.
-// Stated errors: exp 1.02 ulp on [-87, 0], log 0.83 ulp over normals, sin/cos 9.3e-8 absolute for |x| <= 12.6,
+// float32 functions that give the same bits on every CPU and GPU (SPEC 0.6): only + - * /, sqrt, explicit fma
+// and exact conversions, in a fixed order. Branches are selects, so that loops over them vectorise. Stated
+// errors: exp 1.02 ulp on [-87, 0], log 0.83 ulp over normals, sin/cos 9.3e-8 absolute for |x| <= 12.6,
 // atan2 2.7e-7 absolute, erfc 5e-6 relative for 0 <= x <= 9.
 #pragma once
 
@@ -12,12 +12,24 @@
 
 namespace parloc {
 
-PARLOC_HD float fused(float a, float b, float c) { return __builtin_fmaf(a, b, c); }
-PARLOC_HD float portable_sqrt(float x) { return __builtin_sqrtf(x); }
-PARLOC_HD float round_even(float x) { return __builtin_rintf(x); }
-PARLOC_HD float floor_of(float x) { return __builtin_floorf(x); }
-PARLOC_HD float min_of(float a, float b) { return a < b ? a : b; }
-PARLOC_HD float max_of(float a, float b) { return a > b ? a : b; }
+PARLOC_HD float fused(float a, float b, float c) {
+  return __builtin_fmaf(a, b, c);
+}
+PARLOC_HD float portable_sqrt(float x) {
+  return __builtin_sqrtf(x);
+}
+PARLOC_HD float round_even(float x) {
+  return __builtin_rintf(x);
+}
+PARLOC_HD float floor_of(float x) {
+  return __builtin_floorf(x);
+}
+PARLOC_HD float min_of(float a, float b) {
+  return a < b ? a : b;
+}
+PARLOC_HD float max_of(float a, float b) {
+  return a > b ? a : b;
+}
 
 PARLOC_HD std::uint32_t bits_of(float x) {
   std::uint32_t b;

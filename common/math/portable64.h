@@ -1,5 +1,5 @@
-// float64 functions with the same bits everywhere, for what the host computes per step and the device once per
-// estimate. fdlibm's polynomials; sin/cos reduced by fma, good to 1 ulp for |x| < 1e5; atan2 under 1 ulp.
+// float64 functions with the same bits everywhere, for what the host computes per step and the device once
+// per estimate. fdlibm's polynomials; sin/cos reduced by fma, good to 1 ulp for |x| < 1e5; atan2 under 1 ulp.
 #pragma once
 
 #include "common/math/host_device.h"
@@ -8,7 +8,9 @@ namespace parloc {
 
 constexpr double kPi = 3.14159265358979323846;
 
-PARLOC_HD double fused64(double a, double b, double c) { return __builtin_fma(a, b, c); }
+PARLOC_HD double fused64(double a, double b, double c) {
+  return __builtin_fma(a, b, c);
+}
 
 struct SinCos64 {
   double sin;

@@ -17,6 +17,8 @@ Pose relative(const Pose& a, const Pose& b) {
   return {r.cos * dx + r.sin * dy, -r.sin * dx + r.cos * dy, wrap64(a.theta_rad - b.theta_rad)};
 }
 
-Pose inverse(const Pose& a) { return relative(Pose{}, a); }
+Pose inverse(const Pose& a) {
+  return relative(Pose{}, a);
+}
 
 }  // namespace parloc

@@ -10,7 +10,8 @@ namespace {
 
 enum class BeamClass { invalid, hit, miss };
 
-BeamClass classify(float range_m, double range_min_m, double range_max_m, ZeroPolicy zero, BeamCounts& counts) {
+BeamClass classify(float range_m, double range_min_m, double range_max_m, ZeroPolicy zero,
+                   BeamCounts& counts) {
   if (std::isnan(range_m)) return ++counts.nan, BeamClass::invalid;
   if (std::isinf(range_m)) {
     if (range_m > 0) return ++counts.misses, BeamClass::miss;
@@ -30,7 +31,8 @@ struct SensorFrame {
   double x_m, y_m, yaw_rad, inv_resolution;
 };
 
-void append_beam(BeamTable& t, const SensorFrame& f, double bearing_rad, float range_m, const SensorConfig& sensor) {
+void append_beam(BeamTable& t, const SensorFrame& f, double bearing_rad, float range_m,
+                 const SensorConfig& sensor) {
   const SinCos64 a = portable_sincos64(wrap64(f.yaw_rad + bearing_rad));
   t.direction_x.push_back(static_cast<float>(a.cos));
   t.direction_y.push_back(static_cast<float>(a.sin));
@@ -42,7 +44,8 @@ void append_beam(BeamTable& t, const SensorFrame& f, double bearing_rad, float r
 }
 
 void clear(BeamTable& t) {
-  for (auto* v : {&t.direction_x, &t.direction_y, &t.range_m, &t.short_density, &t.end_x, &t.end_y}) v->clear();
+  for (auto* v : {&t.direction_x, &t.direction_y, &t.range_m, &t.short_density, &t.end_x, &t.end_y})
+    v->clear();
   t.count = t.hits = 0;
 }
 
@@ -73,7 +76,8 @@ void select_beams(const Scan& scan, const ScanConfig& config, const SensorConfig
       BeamCounts& c = pass == BeamClass::hit ? counts : ignored;  // count each beam once
       if (classify(scan.ranges_m[i], range_min_m, range_max_m, config.zero_policy, c) != pass) continue;
       const double bearing_rad = scan.angle_min_rad + static_cast<double>(i) * scan.angle_step_rad;
-      append_beam(table, frame, bearing_rad, pass == BeamClass::hit ? scan.ranges_m[i] : table.range_max_m, sensor);
+      append_beam(table, frame, bearing_rad, pass == BeamClass::hit ? scan.ranges_m[i] : table.range_max_m,
+                  sensor);
     }
     if (pass == BeamClass::hit) table.hits = table.range_m.size();
   }

@@ -1,4 +1,5 @@
-// The beams of one scan as the sensor models need them: sorted out once on the host, then read by every particle.
+// The beams of one scan as the sensor models need them: sorted out once on the host, then read by every
+// particle.
 #pragma once
 
 #include <cstddef>
@@ -19,17 +20,17 @@ struct BeamTable {
   std::size_t count = 0;
   std::size_t hits = 0;
   float range_max_m = 0.0f;
-  float sensor_x = 0.0f, sensor_y = 0.0f;      ///< Sensor position in the base frame [m].
+  float sensor_x = 0.0f, sensor_y = 0.0f;       ///< Sensor position in the base frame [m].
   std::vector<float> direction_x, direction_y;  ///< Unit vectors.
   std::vector<float> range_m;                   ///< Measured; range_max_m for a miss.
-  std::vector<float> short_density;             ///< z_short lambda exp(-lambda range): the beam model's constant.
-  std::vector<float> end_x, end_y;              ///< [cells]
+  std::vector<float> short_density;  ///< z_short lambda exp(-lambda range): the beam model's constant.
+  std::vector<float> end_x, end_y;   ///< [cells]
 };
 
-/// Decimates to max_beams at evenly spaced indices floor(k M / B), then classifies (SPEC 0.3); adds to `counts`.
-/// Fills `table`, whose vectors keep their capacity: no allocation once they have grown.
+/// Decimates to max_beams at evenly spaced indices floor(k M / B), then classifies (SPEC 0.3); adds to
+/// `counts`. Fills `table`, whose vectors keep their capacity: no allocation once they have grown.
 /// Deterministic on every machine (no libm but sqrt, floor, rint, fma).
-void select_beams(const Scan& scan, const ScanConfig& scan_config, const SensorConfig& sensor, double resolution_m,
-                  BeamTable& table, BeamCounts& counts);
+void select_beams(const Scan& scan, const ScanConfig& scan_config, const SensorConfig& sensor,
+                  double resolution_m, BeamTable& table, BeamCounts& counts);
 
 }  // namespace parloc

@@ -1,5 +1,5 @@
-// The likelihood field (Thrun, Burgard & Fox, Probabilistic Robotics table 6.3; SPEC 3.4): a beam's log-likelihood
-// is a look-up at its end point, from a table over the map made once.
+// The likelihood field (Thrun, Burgard & Fox, Probabilistic Robotics table 6.3; SPEC 3.4): a beam's
+// log-likelihood is a look-up at its end point, from a table over the map made once.
 #pragma once
 
 #include <cstdint>

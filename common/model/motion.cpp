@@ -12,7 +12,9 @@ double magnitude(double rotation_rad, bool symmetric) {
   return forward < backward ? forward : backward;
 }
 
-double larger(double a, double b) { return a > b ? a : b; }
+double larger(double a, double b) {
+  return a > b ? a : b;
+}
 
 }  // namespace
 

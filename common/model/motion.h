@@ -1,4 +1,5 @@
-// Odometry motion model: rotate, translate, rotate, each with Gaussian noise (Paz et al. 2012 eq. 6 to 8; SPEC 1).
+// Odometry motion model: rotate, translate, rotate, each with Gaussian noise (Paz et al. 2012 eq. 6 to 8;
+// SPEC 1).
 #pragma once
 
 #include <cstdint>
@@ -25,7 +26,8 @@ struct MotionStep {
 OdometryIncrement odometry_increment(const Pose& previous, const Pose& current, double min_translation_m);
 
 /// Standard deviations of the chosen form (SPEC 1.2). inflation scales all of them (1: as configured).
-MotionStep motion_step(const OdometryIncrement& increment, const MotionConfig& config, double inflation = 1.0);
+MotionStep motion_step(const OdometryIncrement& increment, const MotionConfig& config,
+                       double inflation = 1.0);
 
 /// Moves one particle: noise from stream `motion`, words -> rot1, trans, rot2 (SPEC 1.3).
 PARLOC_HD void predict_one(float& x, float& y, float& theta, const MotionStep& m, std::uint32_t slot,

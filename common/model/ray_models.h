@@ -1,5 +1,6 @@
-// Log-likelihood of one measured range given the expected one (SPEC 3.1, 3.3). Pure functions; particle-independent
-// constants are left out. Hits and misses are separate functions because a beam table holds them apart.
+// Log-likelihood of one measured range given the expected one (SPEC 3.1, 3.3). Pure functions;
+// particle-independent constants are left out. Hits and misses are separate functions because a beam table
+// holds them apart.
 #pragma once
 
 #include "common/filter/config.h"
@@ -7,7 +8,8 @@
 
 namespace parloc {
 
-/// Paz et al. 2012 eq. 11, one factor: Gaussian about the expected range; both sides clamped to the maximum range.
+/// Paz et al. 2012 eq. 11, one factor: Gaussian about the expected range; both sides clamped to the maximum
+/// range.
 struct GaussianBeam {
   float minus_half_inv_variance;  // [1/m^2]
 
@@ -18,13 +20,14 @@ struct GaussianBeam {
   PARLOC_HD float miss(float measured_m, float expected_m) const { return hit(measured_m, 0.0f, expected_m); }
 };
 
-/// The censored beam mixture: a measured hit is a density for every particle, a measured miss a probability for every
-/// particle (Probabilistic Robotics table 6.1 with the Gaussian's tail beyond the maximum moved to the miss).
+/// The censored beam mixture: a measured hit is a density for every particle, a measured miss a probability
+/// for every particle (Probabilistic Robotics table 6.1 with the Gaussian's tail beyond the maximum moved to
+/// the miss).
 struct CensoredBeam {
   float inv_sigma;
-  float hit_peak;          // z_hit / (sigma sqrt(2 pi))
+  float hit_peak;  // z_hit / (sigma sqrt(2 pi))
   float z_hit, z_max;
-  float rand_density;      // z_rand / range_max
+  float rand_density;  // z_rand / range_max
   float lambda;
   float range_max_m;
   float inv_short_mass_max;  // 1 / (1 - exp(-lambda range_max))

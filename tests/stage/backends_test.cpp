@@ -1,5 +1,6 @@
-// Every stage, every sensor model and scheme: the kernel bodies run on the host, the OpenMP loops at several thread
-// counts and instruction sets, and a GPU where there is one, all from the same input, must agree to the bit.
+// Every stage, every sensor model and scheme: the kernel bodies run on the host, the OpenMP loops at several
+// thread counts and instruction sets, and a GPU where there is one, all from the same input, must agree to
+// the bit.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -76,10 +77,13 @@ Trace run(Backend& backend, const BackendConfig& config, std::int64_t particles,
 }
 
 bool same_bits(const std::vector<float>& a, const std::vector<float>& b) {
-  return a.size() == b.size() && (a.empty() || std::memcmp(a.data(), b.data(), a.size() * sizeof(float)) == 0);
+  return a.size() == b.size() &&
+         (a.empty() || std::memcmp(a.data(), b.data(), a.size() * sizeof(float)) == 0);
 }
 
-void expect_same(const Moments& a, const Moments& b) { EXPECT_EQ(std::memcmp(&a, &b, sizeof a), 0) << a.x << " " << b.x; }
+void expect_same(const Moments& a, const Moments& b) {
+  EXPECT_EQ(std::memcmp(&a, &b, sizeof a), 0) << a.x << " " << b.x;
+}
 
 void expect_same(const Trace& a, const Trace& b) {
   EXPECT_TRUE(same_bits(a.expected_m, b.expected_m));
@@ -156,7 +160,9 @@ TEST_P(Backends, InstructionSetDoesNotMatter) {
   cpu::limit_simd(cpu::Simd::avx512);
 }
 
-TEST_P(Backends, FusedEqualsUnfused) { expect_same(cpu(1025, 2, true), cpu(1025, 2, false)); }
+TEST_P(Backends, FusedEqualsUnfused) {
+  expect_same(cpu(1025, 2, true), cpu(1025, 2, false));
+}
 
 TEST_P(Backends, GpuEqualsCpu) {
   std::unique_ptr<Backend> gpu;
@@ -174,12 +180,16 @@ TEST_P(Backends, GpuEqualsCpu) {
 INSTANTIATE_TEST_SUITE_P(
     All, Backends,
     testing::Values(
-        Case{SensorModel::gaussian, RayCaster::skip, FieldLookup::nearest, ResampleScheme::multinomial, "gaussian"},
-        Case{SensorModel::gaussian, RayCaster::fixed_step, FieldLookup::nearest, ResampleScheme::multinomial_linear, "paz2012"},
+        Case{SensorModel::gaussian, RayCaster::skip, FieldLookup::nearest, ResampleScheme::multinomial,
+             "gaussian"},
+        Case{SensorModel::gaussian, RayCaster::fixed_step, FieldLookup::nearest,
+             ResampleScheme::multinomial_linear, "paz2012"},
         Case{SensorModel::beam, RayCaster::skip, FieldLookup::nearest, ResampleScheme::residual, "beam_skip"},
         Case{SensorModel::beam, RayCaster::dda, FieldLookup::nearest, ResampleScheme::stratified, "beam_dda"},
-        Case{SensorModel::likelihood_field, RayCaster::skip, FieldLookup::bilinear, ResampleScheme::systematic, "field"},
-        Case{SensorModel::likelihood_field, RayCaster::skip, FieldLookup::nearest, ResampleScheme::stratified, "field_nearest"}),
+        Case{SensorModel::likelihood_field, RayCaster::skip, FieldLookup::bilinear,
+             ResampleScheme::systematic, "field"},
+        Case{SensorModel::likelihood_field, RayCaster::skip, FieldLookup::nearest, ResampleScheme::stratified,
+             "field_nearest"}),
     [](const auto& one) { return std::string(one.param.name); });
 
 TEST(Casters, SkipAndDdaGiveTheSameRanges) {

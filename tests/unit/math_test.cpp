@@ -19,8 +19,9 @@ TEST(Philox, EqualsRandom123) {
   r123::Philox4x32 reference;
   for (std::uint32_t i = 0; i < 1000; ++i) {
     const std::uint64_t seed = std::uint64_t{i} * 0x9E3779B97F4A7C15u;
-    const auto expected = reference({{i, i * 7, i * 13, i * 31}}, {{static_cast<std::uint32_t>(seed),
-                                                                   static_cast<std::uint32_t>(seed >> 32)}});
+    const auto expected =
+        reference({{i, i * 7, i * 13, i * 31}},
+                  {{static_cast<std::uint32_t>(seed), static_cast<std::uint32_t>(seed >> 32)}});
     const Philox4x32 r = philox(i, i * 7, i * 13, i * 31, seed);
     for (std::size_t k = 0; k < 4; ++k) ASSERT_EQ(r.w[k], expected[k]) << i;
   }
@@ -45,12 +46,14 @@ TEST(Portable, HasTheSpecifiedBits) {
 }
 
 TEST(Portable, StaysWithinItsStatedErrors) {
-  for (float x = 0.0f; x < 9.0f; x += 1e-3f) EXPECT_NEAR(portable_erfc(x) / std::erfc(static_cast<double>(x)), 1.0, 5e-6) << x;
+  for (float x = 0.0f; x < 9.0f; x += 1e-3f)
+    EXPECT_NEAR(portable_erfc(x) / std::erfc(static_cast<double>(x)), 1.0, 5e-6) << x;
   for (int i = -20000; i < 20000; ++i) {
     const double x = 0.0123 * i;
     ASSERT_NEAR(portable_sincos64(x).sin, std::sin(x), 5e-16);
     ASSERT_NEAR(portable_sincos64(x).cos, std::cos(x), 5e-16);
-    ASSERT_NEAR(portable_atan2_64(std::sin(0.37 * i), std::cos(0.11 * i)), std::atan2(std::sin(0.37 * i), std::cos(0.11 * i)), 5e-16);
+    ASSERT_NEAR(portable_atan2_64(std::sin(0.37 * i), std::cos(0.11 * i)),
+                std::atan2(std::sin(0.37 * i), std::cos(0.11 * i)), 5e-16);
   }
 }
 
@@ -84,8 +87,8 @@ TEST(Motion, BackwardsIsNotATurn) {
 /// The example of SPEC 5.3: N = 8, S = 40, key (42, 0), step 0.
 class SpecResampling : public testing::Test {
  protected:
-  std::vector<std::uint64_t> q = {183251937963, 1099511627776, 0, 366503875925, 916259689813, 73300775185, 659706976666,
-                                  366503875925};
+  std::vector<std::uint64_t> q = {183251937963, 1099511627776, 0,           366503875925, 916259689813,
+                                  73300775185,  659706976666,  366503875925};
   std::vector<std::uint64_t> sum, offspring, remainder;
   StepState state;
   void SetUp() override {
