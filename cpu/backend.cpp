@@ -6,10 +6,12 @@
 #include <bit>
 #include <fstream>
 
+#include "common/filter/bind.h"
 #include "common/filter/bins.h"
 #include "common/map/blocking_cells.h"
 #include "common/map/skip_field.h"
 #include "cpu/distance_field.h"
+#include "cpu/likelihood_field.h"
 #include "cpu/stages.h"
 
 namespace parloc {
@@ -65,7 +67,8 @@ class CpuBackend final : public Backend {
 
   void set_range_max(double range_max_m) override {
     if (config_.sensor.model != SensorModel::likelihood_field) return;
-    field_ = likelihood_table(squared_distance_, map_, range_max_m, config_.sensor);
+    const DistanceLikelihood likelihood = bind_distance(config_.sensor, map_.resolution_m, range_max_m);
+    cpu::likelihood_table(squared_distance_, map_.width, map_.height, likelihood, workers_, field_);
   }
 
   void upload(const ParticleSet& p) override {
@@ -90,30 +93,17 @@ class CpuBackend final : public Backend {
   }
 
   void weight(bool fused) override {
-    const RayTraceArgs rays = ray_args();
-    WeightArgs a{rays.particles,
-                 rays.beams,
-                 config_.sensor.model,
-                 static_cast<float>(config_.sensor.tempering),
-                 rays.map,
-                 rays.caster,
-                 rays.fixed_step_cells,
-                 bind_gaussian(config_.sensor),
-                 bind_censored(config_.sensor, beams_.range_max_m),
-                 field_view(),
-                 config_.sensor.lookup,
-                 nullptr};
-    if (!fused && a.model != SensorModel::likelihood_field) {
+    RayTraceArgs rays = ray_args();
+    if (!fused && config_.sensor.model != SensorModel::likelihood_field) {
       expected_m_ = ray_trace();
-      a.expected_m = expected_m_.data();
+      rays.expected_m = expected_m_.data();
     }
-    cpu::weight(a, workers_);
+    const float* table = field_.empty() ? nullptr : field_.data();
+    cpu::weight(bind_weight(rays, bind_field(table, map_), config_.sensor), workers_);
   }
 
   void normalise_scan() override {
-    cpu::normalise_scan(
-        {now_.view(), weights_view(), config_.resample.threshold, config_.resample.threshold >= 1.0, &state_},
-        workers_);
+    cpu::normalise_scan(bind_normalise(now_.view(), weights_view(), config_.resample, &state_), workers_);
   }
 
   void estimate() override { cpu::estimate(now_.view(), weights_view(), bins_view(), &state_, workers_); }
@@ -132,13 +122,6 @@ class CpuBackend final : public Backend {
 
  private:
   RayTraceArgs ray_args() {
-    const std::int32_t stride = map_.width + 2;
-    const RayMap map{skip_.empty() ? nullptr : skip_.data() + stride + 1,
-                     map_.width,
-                     map_.height,
-                     stride,
-                     static_cast<float>(map_.resolution_m),
-                     static_cast<float>(1.0 / map_.resolution_m)};
     const Beams beams{beams_.direction_x.data(),
                       beams_.direction_y.data(),
                       beams_.range_m.data(),
@@ -150,13 +133,8 @@ class CpuBackend final : public Backend {
                       beams_.range_max_m,
                       beams_.sensor_x,
                       beams_.sensor_y};
-    return {
-        now_.view(), map, beams, config_.sensor.caster, static_cast<float>(config_.sensor.fixed_step_cells),
-        nullptr};
-  }
-  LikelihoodField field_view() const {
-    const std::int32_t stride = map_.width + 2;
-    return {field_.empty() ? nullptr : field_.data() + stride + 1, map_.width, map_.height, stride};
+    const RayMap map = bind_ray_map(skip_.empty() ? nullptr : skip_.data(), map_);
+    return bind_rays(now_.view(), map, beams, config_.sensor);
   }
   Weights weights_view() { return {weight_.data(), cumulative_.data(), weight_.size()}; }
   BinTable bins_view() {

@@ -1,5 +1,6 @@
 // Expected ranges, many beams of one particle at a time. The SIMD lanes do the operations of cast_skip
 // (common/map/ray_cast.h) in the same order, so the ranges are the same to the bit; tests hold them together.
+#include "common/filter/trace_beam.h"
 #include "cpu/stages.h"
 
 #undef HWY_TARGET_INCLUDE
@@ -9,37 +10,6 @@
 
 #include "cpu/parallel.h"
 
-#ifndef PARLOC_CPU_RAY_TRACE_ONCE
-#define PARLOC_CPU_RAY_TRACE_ONCE
-namespace parloc::cpu {
-
-/// One particle ready for its rays: sensor position in cells, heading.
-struct Origin {
-  float u, v, c, s;
-};
-
-inline Origin sensor_origin(const RayTraceArgs& a, std::size_t i) {
-  const SinCos h = portable_sincos(a.particles.theta[i]);
-  const float x = base_to_grid_x(a.particles.x[i], h.cos, h.sin, a.beams.sensor_x, a.beams.sensor_y);
-  const float y = base_to_grid_y(a.particles.y[i], h.cos, h.sin, a.beams.sensor_x, a.beams.sensor_y);
-  return {x * a.map.inv_resolution, y * a.map.inv_resolution, h.cos, h.sin};
-}
-
-/// One beam with the scalar casters.
-inline float trace_beam(const RayTraceArgs& a, const Origin& o, std::size_t m) {
-  const float range_max_m = a.beams.range_max_m;
-  const float reach_cells = range_max_m * a.map.inv_resolution;
-  const Ray ray = beam_ray(o.u, o.v, o.c, o.s, a.beams.direction_x[m], a.beams.direction_y[m]);
-  if (a.caster == RayCaster::fixed_step)
-    return cast_fixed_step(a.map, ray, reach_cells, a.fixed_step_cells, range_max_m);
-  const RayHit hit =
-      a.caster == RayCaster::dda ? cast_dda(a.map, ray, reach_cells) : cast_skip(a.map, ray, reach_cells);
-  return range_of_hit(ray, hit, a.map.resolution_m, range_max_m);
-}
-
-}  // namespace parloc::cpu
-#endif
-
 HWY_BEFORE_NAMESPACE();
 namespace parloc::cpu::HWY_NAMESPACE {
 namespace hn = hwy::HWY_NAMESPACE;
@@ -48,7 +18,7 @@ namespace hn = hwy::HWY_NAMESPACE;
 // cast_skip.
 #if HWY_TARGET == HWY_SCALAR || HWY_TARGET == HWY_EMU128 || HWY_HAVE_SCALABLE || \
     (HWY_ARCH_X86 && HWY_TARGET > HWY_AVX2)
-void trace_skip(const RayTraceArgs& a, const Origin& o, float* expected_m) {
+void trace_skip(const RayTraceArgs& a, const RayOrigin& o, float* expected_m) {
   for (std::size_t m = 0; m < a.beams.count; ++m) expected_m[m] = trace_beam(a, o, m);
 }
 #else
@@ -75,7 +45,7 @@ HWY_INLINE VF nonzero(VF d) {
   return hn::IfThenElse(hn::Lt(hn::Abs(d), hn::Set(f32, 1e-12f)), hn::Set(f32, 1e-20f), d);
 }
 
-HWY_INLINE Rays start_rays(const RayTraceArgs& a, const Origin& o, std::size_t first, VF i, VF j) {
+HWY_INLINE Rays start_rays(const RayTraceArgs& a, const RayOrigin& o, std::size_t first, VF i, VF j) {
   const std::size_t left = a.beams.count > first ? a.beams.count - first : 0;
   const MF used = hn::FirstN(f32, left);
   const VF bx = hn::MaskedLoad(used, f32, a.beams.direction_x + first);
@@ -147,7 +117,7 @@ HWY_INLINE VF range_of(const RayMap& map, const Rays& r, VF u, VF v, VF range_ma
 
 constexpr std::size_t kInFlight = 4;  // vectors whose gathers overlap
 
-void trace_skip(const RayTraceArgs& a, const Origin& o, float* expected_m) {
+void trace_skip(const RayTraceArgs& a, const RayOrigin& o, float* expected_m) {
   const float reach_cells = a.beams.range_max_m * a.map.inv_resolution;
   const bool inside = o.u >= 0.0f && o.v >= 0.0f && o.u < static_cast<float>(a.map.width) &&
                       o.v < static_cast<float>(a.map.height);
@@ -185,7 +155,7 @@ namespace parloc::cpu {
 HWY_EXPORT(trace_skip);
 
 void trace_particle(const RayTraceArgs& args, std::size_t particle, float* expected_m) {
-  const Origin origin = sensor_origin(args, particle);
+  const RayOrigin origin = ray_origin(args, particle);
   if (args.caster == RayCaster::skip && simd_level() != Simd::baseline) {
     HWY_DYNAMIC_DISPATCH(trace_skip)(args, origin, expected_m);
     return;

@@ -1,9 +1,13 @@
 #include "common/filter/backend.h"
 
+#include <bit>
+
+#include "common/filter/bind.h"
 #include "common/filter/bins.h"
-#include "common/map/distance_field.h"
+#include "common/map/blocking_cells.h"
 #include "common/map/skip_field.h"
-#include "cuda/host_map.h"
+#include "cuda/distance_field.h"
+#include "cuda/likelihood_field.h"
 #include "cuda/stages.h"
 
 namespace parloc {
@@ -19,17 +23,17 @@ struct ParticleBuffer {
   Particles view() const { return {x.data(), y.data(), theta.data(), log_weight.data(), count}; }
 };
 
-std::uint32_t power_of_two_above(std::uint64_t n) {
-  std::uint32_t p = 1;
-  while (p < n) p *= 2;
-  return p;
+int selected(int device) {
+  select_device(device);
+  return device;
 }
 
 class CudaBackend final : public Backend {
  public:
-  CudaBackend(const BackendConfig& config, std::string device)
+  CudaBackend(const BackendConfig& config, std::string device_name)
       : config_(config),
-        device_(std::move(device)),
+        device_(selected(config.device)),  // before anything is allocated
+        device_name_(std::move(device_name)),
         count_(static_cast<std::size_t>(config.particles)),
         a_(count_),
         b_(count_) {
@@ -38,7 +42,7 @@ class CudaBackend final : public Backend {
     weight_.reserve(count_);
     cumulative_.reserve(count_);
     ancestor_.reserve(count_);
-    bins_.capacity = power_of_two_above(2 * count_);
+    bins_.capacity = static_cast<std::uint32_t>(std::bit_ceil(2 * count_));
     for (auto* b : {&bin_key_, &bin_weight_, &cluster_weight_}) b->reserve(bins_.capacity);
     bin_parent_.reserve(bins_.capacity);
     bin_slot_.reserve(count_);
@@ -53,26 +57,36 @@ class CudaBackend final : public Backend {
   }
   ~CudaBackend() override { free_stream(stream_); }
 
-  std::string name() const override { return "cuda (" + device_ + ")"; }
+  std::string name() const override { return "cuda (" + device_name_ + ")"; }
 
   void set_map(const GridMap& map) override {
+    use_device();
     map_ = map;
-    if (config_.sensor.model == SensorModel::likelihood_field) {
-      squared_distance_ = squared_distance_of(map);
+    const bool field = config_.sensor.model == SensorModel::likelihood_field;
+    const std::vector<std::uint8_t> blocks = blocking_cells(map, !field && config_.sensor.unknown_blocks);
+    if (field) {
+      DeviceBuffer<std::uint8_t> occupied;
+      occupied.from_host(blocks, stream_);
+      squared_distance_.reserve(map.size());
+      squared_distance_field(occupied.data(), map.width, map.height, squared_distance_.data(), stream_);
     } else {
-      skip_.from_host(skip_field_of(map, config_.sensor.unknown_blocks), stream_);
+      skip_.from_host(skip_field(blocks.data(), map.width, map.height), stream_);
       synchronise(stream_);
     }
     map_.cells.clear();
+    map_.cells.shrink_to_fit();
   }
 
   void set_range_max(double range_max_m) override {
     if (config_.sensor.model != SensorModel::likelihood_field) return;
-    field_.from_host(likelihood_table(squared_distance_, map_, range_max_m, config_.sensor), stream_);
-    synchronise(stream_);
+    use_device();
+    field_.reserve((static_cast<std::size_t>(map_.width) + 2) * (static_cast<std::size_t>(map_.height) + 2));
+    likelihood_table(squared_distance_.data(), map_.width, map_.height,
+                     bind_distance(config_.sensor, map_.resolution_m, range_max_m), field_.data(), stream_);
   }
 
   void upload(const ParticleSet& p) override {
+    use_device();
     a_.x.from_host(p.x, stream_);
     a_.y.from_host(p.y, stream_);
     a_.theta.from_host(p.theta, stream_);
@@ -86,10 +100,12 @@ class CudaBackend final : public Backend {
   }
 
   void predict(const MotionStep& motion, RandomKey key) override {
+    use_device();
     PARLOC_CUDA_NAMESPACE::predict({now_->view(), motion, key}, stream_);
   }
 
   void set_scan(const BeamTable& t) override {
+    use_device();
     host_beams_ = t;  // stays alive until finish(): the copies below are asynchronous
     direction_x_.from_host(host_beams_.direction_x, stream_);
     direction_y_.from_host(host_beams_.direction_y, stream_);
@@ -100,34 +116,32 @@ class CudaBackend final : public Backend {
   }
 
   std::vector<float> ray_trace() override {
+    use_device();
     trace();
     return expected_m_.to_host(count_ * host_beams_.count, stream_);
   }
 
   void weight(bool fused) override {
+    use_device();
     const bool stored = !fused && config_.sensor.model != SensorModel::likelihood_field;
     if (stored) trace();
-    const std::int32_t stride = map_.width + 2;
-    const LikelihoodField field{field_.size() > 0 ? field_.data() + stride + 1 : nullptr, map_.width,
-                                map_.height, stride};
-    const RayTraceArgs r = ray_args();
-    PARLOC_CUDA_NAMESPACE::weight(
-        {r.particles, r.beams, config_.sensor.model, static_cast<float>(config_.sensor.tempering), r.map,
-         r.caster, r.fixed_step_cells, bind_gaussian(config_.sensor),
-         bind_censored(config_.sensor, host_beams_.range_max_m), field, config_.sensor.lookup,
-         stored ? expected_m_.data() : nullptr},
-        stream_);
+    RayTraceArgs rays = ray_args();
+    rays.expected_m = stored ? expected_m_.data() : nullptr;
+    PARLOC_CUDA_NAMESPACE::weight(bind_weight(rays, bind_field(field_.data(), map_), config_.sensor),
+                                  stream_);
   }
 
   void normalise_scan() override {
-    const double threshold = config_.resample.threshold;
+    use_device();
     PARLOC_CUDA_NAMESPACE::normalise_scan(
-        {now_->view(), weights_view(), threshold, threshold >= 1.0, state_.data()}, scratch_, stream_);
+        bind_normalise(now_->view(), weights_view(), config_.resample, state_.data()), scratch_, stream_);
   }
   void estimate() override {
+    use_device();
     PARLOC_CUDA_NAMESPACE::estimate(now_->view(), weights_view(), bins_, state_.data(), scratch_, stream_);
   }
   void resample(RandomKey key) override {
+    use_device();
     PARLOC_CUDA_NAMESPACE::resample(
         {now_->view(), other_->view(), weights_view(), config_.resample.scheme, key, state_.data(),
          ancestor_.data(), offspring_sum_.data(), remainder_sum_.data()},
@@ -141,6 +155,8 @@ class CudaBackend final : public Backend {
   std::vector<std::uint32_t> ancestors() const override { return ancestor_.to_host(count_, stream_); }
 
  private:
+  /// A thread may drive several filters, each on its own device.
+  void use_device() const { select_device(device_); }
   void trace() {
     expected_m_.reserve(count_ * host_beams_.count);
     RayTraceArgs args = ray_args();
@@ -148,30 +164,22 @@ class CudaBackend final : public Backend {
     PARLOC_CUDA_NAMESPACE::ray_trace(args, stream_);
   }
   RayTraceArgs ray_args() const {
-    const std::int32_t stride = map_.width + 2;
-    const RayMap map{skip_.size() > 0 ? skip_.data() + stride + 1 : nullptr,
-                     map_.width,
-                     map_.height,
-                     stride,
-                     static_cast<float>(map_.resolution_m),
-                     static_cast<float>(1.0 / map_.resolution_m)};
     const Beams beams{direction_x_.data(),   direction_y_.data(), range_m_.data(),
                       short_density_.data(), end_x_.data(),       end_y_.data(),
                       host_beams_.count,     host_beams_.hits,    host_beams_.range_max_m,
                       host_beams_.sensor_x,  host_beams_.sensor_y};
-    return {
-        now_->view(), map, beams, config_.sensor.caster, static_cast<float>(config_.sensor.fixed_step_cells),
-        nullptr};
+    return bind_rays(now_->view(), bind_ray_map(skip_.data(), map_), beams, config_.sensor);
   }
   Weights weights_view() const { return {weight_.data(), cumulative_.data(), count_}; }
 
   BackendConfig config_;
-  std::string device_;
+  int device_;
+  std::string device_name_;
   std::size_t count_;
   Stream stream_{};
   Scratch scratch_;
   GridMap map_;  // without its cells
-  std::vector<std::uint32_t> squared_distance_;
+  DeviceBuffer<std::uint32_t> squared_distance_;
   DeviceBuffer<std::uint8_t> skip_;
   DeviceBuffer<float> field_;
   BeamTable host_beams_;
@@ -210,8 +218,9 @@ std::vector<std::string> describe_cuda_devices() {
   for (int d = 0; d < cuda_device_count(); ++d) {
     cudaDeviceProp p{};
     PARLOC_CHECK(cudaGetDeviceProperties(&p, d), "reading a device's properties");
-    lines.push_back("cuda: " + std::string(p.name) + ", compute capability " + std::to_string(p.major) + "." +
-                    std::to_string(p.minor) + ", " + std::to_string(p.totalGlobalMem >> 20) + " MiB");
+    lines.push_back("cuda " + std::to_string(d) + ": " + std::string(p.name) + ", compute capability " +
+                    std::to_string(p.major) + "." + std::to_string(p.minor) + ", " +
+                    std::to_string(p.totalGlobalMem >> 20) + " MiB");
   }
   if (lines.empty()) lines.push_back("cuda: built, but no device answers (no GPU, or no driver)");
   return lines;
@@ -221,8 +230,11 @@ std::unique_ptr<Backend> make_cuda_backend(const BackendConfig& config) {
   if (cuda_device_count() == 0)
     throw Error(ErrorKind::backend,
                 "backend cuda: no CUDA device answers (no GPU, or no driver); use --backend cpu");
+  if (config.device >= cuda_device_count())
+    throw Error(ErrorKind::backend, "backend cuda: there is no device " + std::to_string(config.device) +
+                                        "; parloc devices lists " + std::to_string(cuda_device_count()));
   cudaDeviceProp p{};
-  PARLOC_CHECK(cudaGetDeviceProperties(&p, 0), "reading the device's properties");
+  PARLOC_CHECK(cudaGetDeviceProperties(&p, config.device), "reading the device's properties");
   return std::make_unique<cuda::CudaBackend>(config, p.name);
 }
 #endif

@@ -6,21 +6,10 @@
 namespace parloc::PARLOC_CUDA_NAMESPACE {
 namespace {
 
-PARLOC_HD void raise_to(std::uint64_t* most, std::uint64_t value) {
-  std::uint64_t seen = atomic_read(most);
-  while (seen < value) {
-    const std::uint64_t before = atomic_swap_if(most, seen, value);
-    if (before == seen) return;
-    seen = before;
-  }
-}
-
 struct ClearBins {
-  using Shared = NoShared;
-  static constexpr int kPhases = 1;
   BinTable t;
   std::uint64_t* best;
-  PARLOC_HD void operator()(const Thread& me, int, Shared&) const {
+  PARLOC_HD void operator()(const Thread& me) const {
     if (me.first() == 0) best[0] = best[1] = 0;
     for (std::size_t s = me.first(); s < t.capacity; s += me.stride()) {
       t.key[s] = kNoBin;
@@ -32,32 +21,26 @@ struct ClearBins {
 };
 
 struct FillBins {
-  using Shared = NoShared;
-  static constexpr int kPhases = 1;
   BinTable t;
   Particles p;
   const std::uint64_t* weight;
-  PARLOC_HD void operator()(const Thread& me, int, Shared&) const {
+  PARLOC_HD void operator()(const Thread& me) const {
     for (std::size_t i = me.first(); i < p.count; i += me.stride())
       t.slot_of[i] = bin_insert(t, bin_key_of(p.x[i], p.y[i], p.theta[i]), weight[i]);
   }
 };
 
 struct JoinBins {
-  using Shared = NoShared;
-  static constexpr int kPhases = 1;
   BinTable t;
-  PARLOC_HD void operator()(const Thread& me, int, Shared&) const {
+  PARLOC_HD void operator()(const Thread& me) const {
     for (std::size_t s = me.first(); s < t.capacity; s += me.stride())
       bin_join_neighbours(t, static_cast<std::uint32_t>(s));
   }
 };
 
 struct SumClusters {
-  using Shared = NoShared;
-  static constexpr int kPhases = 1;
   BinTable t;
-  PARLOC_HD void operator()(const Thread& me, int, Shared&) const {
+  PARLOC_HD void operator()(const Thread& me) const {
     for (std::size_t s = me.first(); s < t.capacity; s += me.stride()) {
       if (t.key[s] == kNoBin) continue;
       atomic_add(&t.cluster_weight[bin_root(t, static_cast<std::uint32_t>(s))], t.weight[s]);
@@ -67,61 +50,59 @@ struct SumClusters {
 
 /// Heaviest weight, then among its equals the smallest key (as the largest complement).
 struct FindHeaviest {
-  using Shared = NoShared;
-  static constexpr int kPhases = 1;
   BinTable t;
   std::uint64_t* best;
   bool by_key;
-  PARLOC_HD void operator()(const Thread& me, int, Shared&) const {
+  PARLOC_HD void operator()(const Thread& me) const {
     for (std::size_t s = me.first(); s < t.capacity; s += me.stride()) {
       if (t.key[s] == kNoBin || t.parent[s] != s) continue;
-      if (!by_key) raise_to(&best[0], t.cluster_weight[s]);
-      if (by_key && t.cluster_weight[s] == best[0]) raise_to(&best[1], ~t.key[s]);
+      if (!by_key) atomic_raise(&best[0], t.cluster_weight[s]);
+      if (by_key && t.cluster_weight[s] == best[0]) atomic_raise(&best[1], ~t.key[s]);
     }
   }
 };
 
 struct TakeHeaviest {
-  using Shared = NoShared;
-  static constexpr int kPhases = 1;
   BinTable t;
   const std::uint64_t* best;
   StepState* state;
-  PARLOC_HD void operator()(const Thread& me, int, Shared&) const {
+  PARLOC_HD void operator()(const Thread& me) const {
     if (me.first() == 0) state->best_slot = bin_find(t, ~best[1]);
   }
 };
 
-struct MeanTerm {
+/// The particles that a sum runs over.
+struct Members {
   Particles p;
   const std::uint64_t* weight;
   BinTable t;
   const StepState* state;
+  PARLOC_HD bool in_cluster(std::size_t i) const { return bin_root(t, t.slot_of[i]) == state->best_slot; }
+};
+
+struct MeanTerm {
+  Members of;
   PARLOC_HD SumVector<kMeanSums> operator()(std::size_t i) const {
-    const bool in = bin_root(t, t.slot_of[i]) == state->best_slot;
-    return mean_terms(p.x[i], p.y[i], p.theta[i], weight[i], in);
+    const Particles& p = of.p;
+    return mean_terms(p.x[i], p.y[i], p.theta[i], of.weight[i], of.in_cluster(i));
   }
 };
 
 struct CovarianceTerm {
-  Particles p;
-  const std::uint64_t* weight;
-  BinTable t;
-  const StepState* state;
+  Members of;
   PARLOC_HD SumVector<kCovarianceSums> operator()(std::size_t i) const {
-    const bool in = bin_root(t, t.slot_of[i]) == state->best_slot;
-    return covariance_terms(p.x[i], p.y[i], p.theta[i], weight[i], in, state->all, state->cluster);
+    const Particles& p = of.p;
+    return covariance_terms(p.x[i], p.y[i], p.theta[i], of.weight[i], of.in_cluster(i), of.state->all,
+                            of.state->cluster);
   }
 };
 
 struct Finish {
-  using Shared = NoShared;
-  static constexpr int kPhases = 1;
   BinTable t;
   const double* sums;
   StepState* state;
   bool covariance;
-  PARLOC_HD void operator()(const Thread& me, int, Shared&) const {
+  PARLOC_HD void operator()(const Thread& me) const {
     if (me.first() != 0) return;
     const double total = static_cast<double>(state->total);
     const double cluster = static_cast<double>(t.cluster_weight[state->best_slot]);
@@ -148,11 +129,11 @@ void estimate(const Particles& p, const Weights& w, const BinTable& t, StepState
   launch(FindHeaviest{t, best, false}, slots, stream);
   launch(FindHeaviest{t, best, true}, slots, stream);
   launch(TakeHeaviest{t, best, state}, 1, stream);
-  const double* mean =
-      block_sum<kMeanSums>(p.count, MeanTerm{p, w.weight, t, state}, scratch.sums.data(), stream);
+  const Members members{p, w.weight, t, state};
+  const double* mean = block_sum<kMeanSums>(p.count, MeanTerm{members}, scratch.sums.data(), stream);
   launch(Finish{t, mean, state, false}, 1, stream);
   const double* cov =
-      block_sum<kCovarianceSums>(p.count, CovarianceTerm{p, w.weight, t, state}, scratch.sums.data(), stream);
+      block_sum<kCovarianceSums>(p.count, CovarianceTerm{members}, scratch.sums.data(), stream);
   launch(Finish{t, cov, state, true}, 1, stream);
 }
 

@@ -1,7 +1,8 @@
 // How every kernel is started, and where its memory comes from. A kernel is a plain functor, called once per
-// thread and phase; phases are separated by a block barrier. Compiled by nvcc it runs on the device; compiled
-// as C++ the same body runs on the host over (block, phase, thread), so that tests can hold it against the
-// OpenMP twin without a GPU.
+// thread: kernel(thread). One whose threads work together says `kPhases` and `Shared`, and is called as
+// kernel(thread, phase, shared) once per thread and phase, with a block barrier between the phases. Compiled
+// by nvcc it runs on the device; compiled as C++ the same body runs on the host over (block, phase, thread),
+// so that tests can hold it against the OpenMP twin without a GPU.
 #pragma once
 
 #include <algorithm>
@@ -9,6 +10,7 @@
 #include <cstdint>
 #include <cstdlib>
 #include <cstring>
+#include <new>
 #include <string>
 #include <vector>
 
@@ -34,7 +36,11 @@ struct Thread {
   PARLOC_HD std::size_t stride() const { return std::size_t{blocks} * kThreads; }
 };
 
-struct NoShared {};
+/// A kernel in phases, with memory shared by the threads of a block.
+template <class Kernel>
+concept Phased = requires {
+  Kernel::kPhases;
+};
 
 inline unsigned blocks_for(std::size_t threads) {
   return static_cast<unsigned>(std::clamp<std::size_t>((threads + kThreads - 1) / kThreads, 1, kMaxBlocks));
@@ -52,11 +58,15 @@ inline void check(cudaError_t status, const char* what, const char* file, int li
 
 template <class Kernel>
 __global__ void __launch_bounds__(kThreads) run_kernel(const Kernel kernel) {
-  __shared__ typename Kernel::Shared shared;
   const Thread me{blockIdx.x, threadIdx.x, gridDim.x};
-  for (int phase = 0; phase < Kernel::kPhases; ++phase) {
-    if (phase > 0) __syncthreads();
-    kernel(me, phase, shared);
+  if constexpr (Phased<Kernel>) {
+    __shared__ typename Kernel::Shared shared;
+    for (int phase = 0; phase < Kernel::kPhases; ++phase) {
+      if (phase > 0) __syncthreads();
+      kernel(me, phase, shared);
+    }
+  } else {
+    kernel(me);
   }
 }
 
@@ -91,21 +101,31 @@ inline Stream make_stream() {
 inline void free_stream(Stream s) {
   (void)cudaStreamDestroy(s);
 }
+/// Every later call of this host thread is meant for this device.
+inline void select_device(int device) {
+  PARLOC_CHECK(cudaSetDevice(device), "selecting the device");
+}
 #else
 struct Stream {};
 
 template <class Kernel>
 void launch(const Kernel& kernel, unsigned blocks, Stream) {
   for (unsigned block = 0; block < blocks; ++block) {
-    typename Kernel::Shared shared;
-    for (int phase = 0; phase < Kernel::kPhases; ++phase)
-      for (unsigned thread = 0; thread < kThreads; ++thread)
-        kernel(Thread{block, thread, blocks}, phase, shared);
+    if constexpr (Phased<Kernel>) {
+      typename Kernel::Shared shared;
+      for (int phase = 0; phase < Kernel::kPhases; ++phase)
+        for (unsigned thread = 0; thread < kThreads; ++thread)
+          kernel(Thread{block, thread, blocks}, phase, shared);
+    } else {
+      for (unsigned thread = 0; thread < kThreads; ++thread) kernel(Thread{block, thread, blocks});
+    }
   }
 }
 
 inline void* device_alloc(std::size_t bytes) {
-  return std::malloc(bytes > 0 ? bytes : 1);
+  void* p = std::malloc(bytes > 0 ? bytes : 1);
+  if (p == nullptr) throw std::bad_alloc();
+  return p;
 }
 inline void device_free(void* p) {
   std::free(p);
@@ -121,6 +141,7 @@ inline Stream make_stream() {
   return {};
 }
 inline void free_stream(Stream) {}
+inline void select_device(int) {}
 #endif
 
 /// Device memory of `size` elements; copies are the named member functions, nothing implicit.

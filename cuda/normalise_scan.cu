@@ -19,20 +19,9 @@ PARLOC_HD float from_ordered(std::uint32_t o) {
   return float_of((o >> 31) != 0 ? o & 0x7fffffffu : ~o);
 }
 
-PARLOC_HD void raise_to(std::uint32_t* most, std::uint32_t value) {
-  std::uint32_t seen = atomic_read(most);
-  while (seen < value) {
-    const std::uint32_t before = atomic_swap_if(most, seen, value);
-    if (before == seen) return;
-    seen = before;
-  }
-}
-
 struct ClearMax {
-  using Shared = NoShared;
-  static constexpr int kPhases = 1;
   StepState* state;
-  PARLOC_HD void operator()(const Thread& me, int, Shared&) const {
+  PARLOC_HD void operator()(const Thread& me) const {
     if (me.first() == 0) state->best_slot = ordered(kNoWeight);  // holds the maximum until take_max
   }
 };
@@ -49,17 +38,15 @@ struct FindMax {
       float most = kNoWeight;
       for (std::size_t i = me.first(); i < a.particles.count; i += me.stride())
         most = max_of(valid_log_weight(a.particles.log_weight[i]), most);
-      raise_to(&s.most, ordered(most));
+      atomic_raise(&s.most, ordered(most));
     }
-    if (phase == 2 && me.thread == 0) raise_to(&a.state->best_slot, s.most);
+    if (phase == 2 && me.thread == 0) atomic_raise(&a.state->best_slot, s.most);
   }
 };
 
 struct TakeMax {
-  using Shared = NoShared;
-  static constexpr int kPhases = 1;
   StepState* state;
-  PARLOC_HD void operator()(const Thread& me, int, Shared&) const {
+  PARLOC_HD void operator()(const Thread& me) const {
     if (me.first() != 0) return;
     state->max_log_weight = from_ordered(state->best_slot);
     state->degenerate = state->max_log_weight == kNoWeight ? 1 : 0;
@@ -67,11 +54,9 @@ struct TakeMax {
 };
 
 struct Normalise {
-  using Shared = NoShared;
-  static constexpr int kPhases = 1;
   NormaliseArgs a;
   int bits;
-  PARLOC_HD void operator()(const Thread& me, int, Shared&) const {
+  PARLOC_HD void operator()(const Thread& me) const {
     const StepState now = *a.state;
     for (std::size_t i = me.first(); i < a.particles.count; i += me.stride())
       a.weights.weight[i] = normalise_one(a.particles.log_weight[i], now, bits);
@@ -87,11 +72,9 @@ struct SquareTerm {
 };
 
 struct Decide {
-  using Shared = NoShared;
-  static constexpr int kPhases = 1;
   NormaliseArgs a;
   const double* squares;
-  PARLOC_HD void operator()(const Thread& me, int, Shared&) const {
+  PARLOC_HD void operator()(const Thread& me) const {
     if (me.first() != 0) return;
     a.state->total = a.weights.cumulative[a.particles.count - 1];
     decide_resampling(*a.state, *squares, a.particles.count, a.threshold, a.always);

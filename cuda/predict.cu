@@ -4,10 +4,8 @@ namespace parloc::PARLOC_CUDA_NAMESPACE {
 namespace {
 
 struct Predict {
-  using Shared = NoShared;
-  static constexpr int kPhases = 1;
   PredictArgs a;
-  PARLOC_HD void operator()(const Thread& me, int, Shared&) const {
+  PARLOC_HD void operator()(const Thread& me) const {
     for (std::size_t i = me.first(); i < a.particles.count; i += me.stride())
       predict_one(a.particles.x[i], a.particles.y[i], a.particles.theta[i], a.motion,
                   static_cast<std::uint32_t>(i), a.key.step, a.key.seed);

@@ -6,10 +6,8 @@ namespace parloc::PARLOC_CUDA_NAMESPACE {
 namespace {
 
 struct ResidualCounts {
-  using Shared = NoShared;
-  static constexpr int kPhases = 1;
   ResampleArgs a;
-  PARLOC_HD void operator()(const Thread& me, int, Shared&) const {
+  PARLOC_HD void operator()(const Thread& me) const {
     const std::uint64_t n = a.from.count, total = a.state->total;
     const int shift = remainder_shift(n, total);
     for (std::size_t i = me.first(); i < n; i += me.stride()) {
@@ -20,10 +18,8 @@ struct ResidualCounts {
 };
 
 struct Gather {
-  using Shared = NoShared;
-  static constexpr int kPhases = 1;
   ResampleArgs a;
-  PARLOC_HD void operator()(const Thread& me, int, Shared&) const {
+  PARLOC_HD void operator()(const Thread& me) const {
     for (std::size_t j = me.first(); j < a.from.count; j += me.stride()) {
       const std::uint32_t from = ancestor_of(a, j);
       a.ancestor[j] = from;

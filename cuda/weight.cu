@@ -1,6 +1,6 @@
+#include "common/filter/trace_beam.h"
 #include "common/math/fixed_point.h"
 #include "cuda/stages.h"
-#include "cuda/trace_beam.h"
 
 namespace parloc::PARLOC_CUDA_NAMESPACE {
 namespace {
@@ -8,38 +8,41 @@ namespace {
 constexpr unsigned kLanes = 32;  // threads per particle
 constexpr unsigned kParticlesPerBlock = kThreads / kLanes;
 
-PARLOC_HD std::int32_t ray_beam(const WeightArgs& a, const Origin& o, std::size_t i, std::size_t m) {
-  const float expected_m = a.expected_m != nullptr
-                               ? a.expected_m[i * a.beams.count + m]
-                               : trace_beam(a.map, a.beams, a.caster, a.fixed_step_cells, o, m);
-  const float range_m = a.beams.range_m[m];
-  const bool hit = m < a.beams.hits;
+PARLOC_HD std::int32_t ray_beam(const WeightArgs& a, const RayOrigin& o, std::size_t i, std::size_t m) {
+  const Beams& beams = a.rays.beams;
+  const float expected_m =
+      a.rays.expected_m != nullptr ? a.rays.expected_m[i * beams.count + m] : trace_beam(a.rays, o, m);
+  const float range_m = beams.range_m[m];
+  const bool hit = m < beams.hits;
   if (a.model == SensorModel::gaussian)
     return fixed_log_likelihood(hit ? a.gaussian.hit(range_m, 0.0f, expected_m)
                                     : a.gaussian.miss(range_m, expected_m));
-  return fixed_log_likelihood(hit ? a.censored.hit(range_m, a.beams.short_density[m], expected_m)
+  return fixed_log_likelihood(hit ? a.censored.hit(range_m, beams.short_density[m], expected_m)
                                   : a.censored.miss(range_m, expected_m));
 }
 
 PARLOC_HD std::int32_t field_beam(const WeightArgs& a, float u0, float v0, const SinCos& h, std::size_t m) {
-  const float u = base_to_grid_x(u0, h.cos, h.sin, a.beams.end_x[m], a.beams.end_y[m]);
-  const float v = base_to_grid_y(v0, h.cos, h.sin, a.beams.end_x[m], a.beams.end_y[m]);
+  const Beams& beams = a.rays.beams;
+  const float u = base_to_grid_x(u0, h.cos, h.sin, beams.end_x[m], beams.end_y[m]);
+  const float v = base_to_grid_y(v0, h.cos, h.sin, beams.end_x[m], beams.end_y[m]);
   return fixed_log_likelihood(a.lookup == FieldLookup::bilinear ? a.field.bilinear(u, v)
                                                                 : a.field.nearest(u, v));
 }
 
 /// Sum of this lane's beams, m = lane, lane + 32, ...: integers, so the lanes may add up in any order.
 PARLOC_HD std::int64_t lane_sum(const WeightArgs& a, std::size_t i, unsigned lane) {
+  const Particles& particles = a.rays.particles;
+  const Beams& beams = a.rays.beams;
   std::int64_t sum = 0;
   if (a.model == SensorModel::likelihood_field) {
-    const SinCos h = portable_sincos(a.particles.theta[i]);
-    const float u0 = a.particles.x[i] * a.map.inv_resolution;
-    const float v0 = a.particles.y[i] * a.map.inv_resolution;
-    for (std::size_t m = lane; m < a.beams.hits; m += kLanes) sum += field_beam(a, u0, v0, h, m);
+    const SinCos h = portable_sincos(particles.theta[i]);
+    const float u0 = particles.x[i] * a.rays.map.inv_resolution;
+    const float v0 = particles.y[i] * a.rays.map.inv_resolution;
+    for (std::size_t m = lane; m < beams.hits; m += kLanes) sum += field_beam(a, u0, v0, h, m);
     return sum;
   }
-  const Origin o = sensor_origin(a.particles, a.beams, a.map, i);
-  for (std::size_t m = lane; m < a.beams.count; m += kLanes) sum += ray_beam(a, o, i, m);
+  const RayOrigin o = ray_origin(a.rays, i);
+  for (std::size_t m = lane; m < beams.count; m += kLanes) sum += ray_beam(a, o, i, m);
   return sum;
 }
 
@@ -54,11 +57,11 @@ struct WeightGroup {  // a block weighs kParticlesPerBlock particles
     const unsigned slot = me.thread / kLanes, lane = me.thread % kLanes;
     const std::size_t i = first + std::size_t{me.block} * kParticlesPerBlock + slot;
     if (phase == 0 && lane == 0) shared.sum[slot] = 0;
-    if (i >= a.particles.count) return;
+    if (i >= a.rays.particles.count) return;
     if (phase == 1) atomic_add(&shared.sum[slot], static_cast<std::uint64_t>(lane_sum(a, i, lane)));
     if (phase == 2 && lane == 0)
-      a.particles.log_weight[i] = tempered_log_weight(
-          a.particles.log_weight[i], static_cast<std::int64_t>(shared.sum[slot]), a.tempering);
+      a.rays.particles.log_weight[i] = tempered_log_weight(
+          a.rays.particles.log_weight[i], static_cast<std::int64_t>(shared.sum[slot]), a.tempering);
   }
 };
 
@@ -66,8 +69,8 @@ struct WeightGroup {  // a block weighs kParticlesPerBlock particles
 
 void weight(const WeightArgs& args, Stream stream) {
   constexpr std::size_t kPerLaunch = std::size_t{kMaxBlocks} * kParticlesPerBlock;
-  for (std::size_t first = 0; first < args.particles.count; first += kPerLaunch) {
-    const std::size_t here = std::min(kPerLaunch, args.particles.count - first);
+  for (std::size_t first = 0; first < args.rays.particles.count; first += kPerLaunch) {
+    const std::size_t here = std::min(kPerLaunch, args.rays.particles.count - first);
     launch(WeightGroup{args, first},
            static_cast<unsigned>((here + kParticlesPerBlock - 1) / kParticlesPerBlock), stream);
   }

@@ -28,7 +28,7 @@ namespace {
 
 /// The command line; what was not given is empty.
 struct RunOptions {
-  std::string map, log, truth, relations, config, init, backend, particles, beams, seed, threads;
+  std::string map, log, truth, relations, config, init, backend, device, particles, beams, seed, threads;
   std::string out = "parloc_out";
   bool strict = false, json = false, quiet = false;
 };
@@ -42,6 +42,7 @@ void declare(CLI::App& app, RunOptions& o) {
   add_text_option(app, "--init", o.init, "START", "x,y,theta[,sx,sy,st] (m, rad) or global; else truth");
   add_text_option(app, "--out", o.out, "DIR", "Folder for the results (parloc_out)");
   add_text_option(app, "--backend", o.backend, "WHICH", "auto, cpu or cuda");
+  add_text_option(app, "--device", o.device, "D", "CUDA device, as parloc devices lists them");
   add_text_option(app, "--particles", o.particles, "N", "1 to 16777216");
   add_text_option(app, "--beams", o.beams, "B", "Beams used of a scan, 1 to 4096");
   add_text_option(app, "--seed", o.seed, "S", "Same seed, same answer");
@@ -63,6 +64,7 @@ FilterConfig effective_config(const RunOptions& o) {
   FilterConfig config = o.config.empty() ? FilterConfig{} : read_config(o.config);
   if (!o.particles.empty()) config.particles = parse_whole_number<std::int64_t>("--particles", o.particles);
   if (!o.seed.empty()) config.seed = parse_whole_number<std::uint64_t>("--seed", o.seed);
+  if (!o.device.empty()) config.device = parse_whole_number<int>("--device", o.device);
   if (!o.threads.empty()) config.threads = parse_whole_number<int>("--threads", o.threads);
   if (!o.beams.empty()) {
     config.scan.max_beams = parse_whole_number<int>("--beams", o.beams);

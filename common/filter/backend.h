@@ -21,6 +21,7 @@ struct ParticleSet {
 struct BackendConfig {
   std::int64_t particles = 0;
   int threads = 0;  ///< CPU: 0 is all cores.
+  int device = 0;   ///< CUDA: index of the device.
   SensorConfig sensor;
   ResampleConfig resample;
 };

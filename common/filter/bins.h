@@ -6,6 +6,7 @@
 #include <cstddef>
 #include <cstdint>
 
+#include "common/math/atomics.h"
 #include "common/math/host_device.h"
 #include "common/math/portable.h"
 
@@ -14,38 +15,6 @@ namespace parloc {
 constexpr std::uint64_t kNoBin = ~std::uint64_t{0};
 constexpr std::int32_t kHeadingBins = 36;
 constexpr float kBinSize_m = 0.5f;
-
-PARLOC_HD std::uint64_t atomic_add(std::uint64_t* at, std::uint64_t value) {
-#if defined(__CUDA_ARCH__)
-  return atomicAdd(reinterpret_cast<unsigned long long*>(at), static_cast<unsigned long long>(value));
-#else
-  return __atomic_fetch_add(at, value, __ATOMIC_RELAXED);
-#endif
-}
-
-/// Stores `desired` if *at is `expected`; returns what was there.
-template <class T>
-PARLOC_HD T atomic_swap_if(T* at, T expected, T desired) {
-#if defined(__CUDA_ARCH__)
-  if constexpr (sizeof(T) == 8)
-    return atomicCAS(reinterpret_cast<unsigned long long*>(at), static_cast<unsigned long long>(expected),
-                     static_cast<unsigned long long>(desired));
-  else
-    return atomicCAS(at, expected, desired);
-#else
-  __atomic_compare_exchange_n(at, &expected, desired, false, __ATOMIC_RELAXED, __ATOMIC_RELAXED);
-  return expected;
-#endif
-}
-
-template <class T>
-PARLOC_HD T atomic_read(const T* at) {
-#if defined(__CUDA_ARCH__)
-  return *static_cast<const volatile T*>(at);
-#else
-  return __atomic_load_n(at, __ATOMIC_RELAXED);
-#endif
-}
 
 /// Open addressing; `capacity` is a power of two above twice the number of particles, so it never fills.
 struct BinTable {

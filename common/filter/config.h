@@ -35,7 +35,8 @@ struct ScanConfig {
 enum class SensorModel { gaussian, beam, likelihood_field };
 enum class RayCaster { skip, dda, fixed_step };
 enum class FieldLookup { nearest, bilinear };
-/// p(scan | pose, map) (SPEC 3). One group for all models; each uses the keys it knows.
+/// p(scan | pose, map) (SPEC 3). One group for all models; each uses the keys it knows. These are the values
+/// of the likelihood field; default_sensor() has those of the others.
 struct SensorConfig {
   SensorModel model = SensorModel::likelihood_field;
   double sigma_hit = 0.1;  ///< Standard deviation of a range (ray models) or of a wall's place (field) [m].
@@ -48,6 +49,17 @@ struct SensorConfig {
   double fixed_step_cells = 0.5;  ///< Step of the fixed_step caster, in cells.
   bool unknown_blocks = true;     ///< A ray ends at an unknown cell.
 };
+
+/// The defaults of a model. A file that chooses a model starts from these.
+inline SensorConfig default_sensor(SensorModel model) {
+  SensorConfig c;
+  c.model = model;
+  if (model == SensorModel::likelihood_field) return c;
+  c.sigma_hit = 0.2;
+  c.tempering = 0.3;
+  if (model == SensorModel::beam) c.z_hit = 0.75, c.z_short = 0.1, c.z_max = 0.05, c.z_rand = 0.1;
+  return c;
+}
 
 enum class ResampleScheme { systematic, stratified, residual, multinomial, multinomial_linear };
 struct ResampleConfig {
@@ -67,6 +79,7 @@ struct FilterConfig {
   std::uint64_t seed = 1;
   BackendChoice backend = BackendChoice::automatic;
   int threads = 0;                   ///< 0: all cores.
+  int device = 0;                    ///< Which CUDA device, as `parloc devices` numbers them.
   double initial_sigma_xy = 0.2;     ///< Spread of a start pose given without one [m].
   double initial_sigma_theta = 0.1;  ///< [rad]
   double update_min_d = 0.0;         ///< Weigh a scan after this much translation [m] ...

@@ -83,6 +83,7 @@ void visit_fields(Config& c, Visitor&& visit) {
         Limits<std::uint64_t>{0, std::numeric_limits<std::uint64_t>::max()});
   visit(Field{"", "backend", "auto takes a CUDA device if there is one"}, c.backend, kBackends);
   visit(Field{"", "threads", "CPU threads; 0: all cores"}, c.threads, Int{0, 1024});
+  visit(Field{"", "device", "Which CUDA device, as parloc devices numbers them"}, c.device, Int{0, 1023});
   visit(Field{"", "initial_sigma_xy", "Spread of a start pose given without one [m]"}, c.initial_sigma_xy,
         Real{0, 1000});
   visit(Field{"", "initial_sigma_theta", "The same for its heading [rad]"}, c.initial_sigma_theta,

@@ -68,23 +68,23 @@ struct ParticleFilter::State {
   double range_max_m = 0.0;      // that the backend's tables are made for
   std::optional<Pose> odometry;  // at the last processed step
   Estimate last;
-  std::size_t jumps = 0, steps = 0;
+  std::size_t jumps = 0, invalid = 0, steps = 0;
   bool started = false;
   Sha256 estimates;
 
   RandomKey key() const { return {config.seed, static_cast<std::uint32_t>(steps)}; }
-  void begin(ParticleSet set);
+  void begin(const ParticleSet& set);
   bool gated(const OdometryIncrement& u) const;
   MotionStep motion(const OdometryIncrement& u);
   void remember(const Estimate& e);
 };
 
-void ParticleFilter::State::begin(ParticleSet set) {
+void ParticleFilter::State::begin(const ParticleSet& set) {
   backend->upload(set);
   odometry.reset();
   counts = {};
   last = {};
-  jumps = steps = 0;
+  jumps = invalid = steps = 0;
   estimates = {};
   started = true;
 }
@@ -116,8 +116,8 @@ ParticleFilter::ParticleFilter(const FilterConfig& config, const GridMap& map)
   state_->config = config;
   state_->map = map;
   std::string why;
-  state_->backend =
-      make_backend(config.backend, {config.particles, config.threads, config.sensor, config.resample}, why);
+  state_->backend = make_backend(
+      config.backend, {config.particles, config.threads, config.device, config.sensor, config.resample}, why);
   state_->backend->set_map(map);
 }
 
@@ -149,7 +149,10 @@ void ParticleFilter::start_anywhere() {
 Estimate ParticleFilter::step(const Pose& odometry, const Scan& scan) {
   State& s = *state_;
   if (!s.started) throw Error(ErrorKind::internal, "ParticleFilter::step before start_at or start_anywhere");
-  if (!finite(odometry)) return s.last;
+  if (!finite(odometry)) {
+    ++s.invalid;
+    return s.last;
+  }
   if (!s.odometry) s.odometry = odometry;
   const OdometryIncrement u = odometry_increment(*s.odometry, odometry, s.config.motion.min_translation_m);
   if (s.steps > 0 && s.gated(u)) {
@@ -204,6 +207,9 @@ const BeamCounts& ParticleFilter::beam_counts() const {
 }
 std::size_t ParticleFilter::odometry_jumps() const {
   return state_->jumps;
+}
+std::size_t ParticleFilter::odometry_invalid() const {
+  return state_->invalid;
 }
 std::size_t ParticleFilter::steps() const {
   return state_->steps;

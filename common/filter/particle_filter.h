@@ -78,6 +78,7 @@ class ParticleFilter {
   std::vector<Particle> particles() const;
   const BeamCounts& beam_counts() const;  ///< Summed since the start.
   std::size_t odometry_jumps() const;     ///< Steps longer than max_jump_m.
+  std::size_t odometry_invalid() const;   ///< Steps skipped because the odometry was not finite.
   std::size_t steps() const;
   std::string backend_name() const;  ///< "cpu (AVX-512, 2 threads)" or "cuda (device name)".
   const FilterConfig& config() const;

@@ -75,21 +75,16 @@ struct RayTraceArgs {
   float* expected_m = nullptr;  ///< [N][M], row per particle; range_max_m where nothing is hit.
 };
 
-/// `expected_m` null: rays are traced on the fly (fused), nothing of size N x M is stored. Same bits either
-/// way.
+/// `rays.expected_m` null: rays are traced on the fly (fused), nothing of size N x M is stored. Else it holds
+/// what ray_trace wrote. Same bits either way.
 struct WeightArgs {
-  Particles particles;
-  Beams beams;
+  RayTraceArgs rays;
   SensorModel model = SensorModel::likelihood_field;
   float tempering = 1.0f;
-  RayMap map;  ///< ray models
-  RayCaster caster = RayCaster::skip;
-  float fixed_step_cells = 0.5f;
   GaussianBeam gaussian;  ///< model == gaussian
   CensoredBeam censored;  ///< model == beam
   LikelihoodField field;  ///< model == likelihood_field
   FieldLookup lookup = FieldLookup::bilinear;
-  const float* expected_m = nullptr;
 };
 
 /// Weighted sums that an estimate is made of; in the grid frame.

@@ -125,6 +125,11 @@ void require_form(const std::vector<ConfigEntry>& entries, const std::string& na
 FilterConfig config_from_text(const std::string& text, const std::string& name) {
   const std::vector<ConfigEntry> entries = config_entries(text, name);
   FilterConfig config;
+  if (const ConfigEntry* model = find_entry(entries, "sensor.model")) {  // first: it decides other defaults
+    FieldSetter setter(name, *model);
+    visit_fields(config, setter);
+    config.sensor = default_sensor(config.sensor.model);
+  }
   for (const ConfigEntry& entry : entries) {
     FieldSetter setter(name, entry);
     visit_fields(config, setter);

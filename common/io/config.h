@@ -7,7 +7,8 @@
 
 namespace parloc {
 
-/// Reads a YAML file over the defaults. Throws Error{config} with file:line for an unknown key (naming the
+/// Reads a YAML file over the defaults; a file that chooses `sensor.model` starts from that model's defaults,
+/// wherever the key stands. Throws Error{config} with file:line for an unknown key (naming the
 /// nearest valid one), a duplicate key, a wrong type, or a value out of its range (naming the range).
 /// `alpha1..alpha4` require `form` beside them.
 FilterConfig read_config(const std::string& path);

@@ -32,8 +32,10 @@ grep -rnE --include='*.h' --include='*.cpp' --include='*.cu' --include='*.cuh' '
   grep -vE "include[[:space:]]*\"$ours" | fail "project headers are included by their path from the root" || true
 
 # ---- twins ------------------------------------------------------------------------------------------------------------
-for stage in predict ray_trace weight normalise_scan estimate resample; do
-  for twin in cpu/$stage.cpp cuda/$stage.cu; do
+names=(predict ray_trace weight normalise_scan estimate resample)
+for source in cuda/*.cu; do names+=("$(basename "$source" .cu)"); done
+for name in "${names[@]}"; do
+  for twin in "cpu/$name.cpp" "cuda/$name.cu"; do
     [[ -s $twin ]] || echo "$twin is missing" | fail "twin files have twin names"
   done
 done
@@ -48,7 +50,10 @@ find common cpu -name '*.h' | sort | xargs -P "$(nproc)" -I{} bash -c 'check_hea
   fail "a header compiles alone" || true
 
 # ---- no path of the machine that a file was written on ----------------------------------------------------------------
-files() { git ls-files --cached --others --exclude-standard 2> /dev/null || find . -type f -not -path './build/*' -not -path './.git/*'; }
+files() {
+  { git ls-files --cached --others --exclude-standard 2> /dev/null ||
+    find . -type f -not -path './build/*' -not -path './.git/*'; } | while read -r file; do [[ ! -e $file ]] || echo "$file"; done
+}
 files | tr '\n' '\0' | xargs -0 grep -nIE '(^|[^A-Za-z0-9_.])/(work|root|home)/' 2> /dev/null |
   fail "no file names this machine's paths" || true
 

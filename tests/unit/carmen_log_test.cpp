@@ -364,8 +364,7 @@ TEST(CarmenLog, LineRoundTrip) {
   for (std::size_t i = 9; i < 361; ++i) EXPECT_NEAR(back.scan.ranges_m[i], record.scan.ranges_m[i], 5.1e-5);
 }
 
-// ---- real logs
-// ------------------------------------------------------------------------------------------------------
+// ---- real logs ----------------------------------------------------------------------------------
 
 std::size_t scans_of(const Read& read) {
   return static_cast<std::size_t>(
@@ -432,8 +431,7 @@ TEST(RealLog, Tb3House) {
   EXPECT_NEAR(scan.T_base_sensor.theta_rad, 0.0, 2e-6);
 }
 
-// ---- the logs that ship
-// ---------------------------------------------------------------------------------------------
+// ---- the logs that ship -------------------------------------------------------------------------
 
 struct Shipped {
   const char* name;

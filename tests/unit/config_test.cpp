@@ -93,8 +93,8 @@ TEST(Config, EachMistakeHasOneClearLine) {
       {"scan:\n  min_beams: 200\n", "c.yaml:2: scan.min_beams (200) must not exceed scan.max_beams (100)"},
       {"scan:\n  laser_max_range: 0.05\n",
        "c.yaml: scan.laser_min_range (0.1) must be below scan.laser_max_range (0.05)"},
-      {"sensor:\n  model: beam\n",
-       "c.yaml: sensor.z_max must be above 0 with sensor.model beam, else a single beam without return can "
+      {"sensor:\n  model: beam\n  z_hit: 0.8\n  z_max: 0\n",
+       "c.yaml:4: sensor.z_max must be above 0 with sensor.model beam, else a single beam without return can "
        "rule out "
        "every particle"},
       {"sensor:\n  z_hit: 1.0\n  z_rand: 0.0\n",
@@ -135,6 +135,21 @@ TEST(Config, NoKeysAreDefaults) {
   for (const char* text : {"", "\n", "# only a comment\n", "---\n", "motion:\nscan:\n", "{}", "~\n"}) {
     EXPECT_EQ(config_to_yaml(config_from_text(text, "c.yaml")), defaults) << text;
   }
+}
+
+// A model may be chosen alone: it brings settings that work, and those of the file win over them.
+TEST(Config, EachModelBringsItsOwnDefaults) {
+  for (const auto& model : kSensorModels) {
+    const FilterConfig c = config_from_text(std::string("sensor:\n  model: ") + model.name + "\n", "c.yaml");
+    const SensorConfig expected = default_sensor(model.value);
+    EXPECT_EQ(c.sensor.model, model.value);
+    EXPECT_EQ(c.sensor.sigma_hit, expected.sigma_hit) << model.name;
+    EXPECT_EQ(c.sensor.tempering, expected.tempering) << model.name;
+    EXPECT_EQ(c.sensor.z_max, expected.z_max) << model.name;
+  }
+  const FilterConfig c = config_from_text("sensor:\n  tempering: 0.7\n  model: beam\n", "c.yaml");
+  EXPECT_EQ(c.sensor.tempering, 0.7);
+  EXPECT_EQ(c.sensor.sigma_hit, default_sensor(SensorModel::beam).sigma_hit);
 }
 
 TEST(Config, ValuesArrive) {

@@ -12,6 +12,7 @@
 #include "common/map/grid_map.h"
 #include "common/map/skip_field.h"
 #include "cpu/distance_field.h"
+#include "cuda/distance_field.h"  // its kernels, run on the host
 
 namespace parloc {
 namespace {
@@ -102,6 +103,16 @@ TEST(DistanceField, EqualsBruteForce) {
   }
 }
 
+TEST(DistanceField, KernelBodiesOnTheHostEqualTheOpenMpTwin) {
+  std::vector<Map> maps = random_maps();
+  maps.push_back(random_map(600, 300, 0.001, 99));  // more rows than threads in a block
+  for (const Map& map : maps) {
+    Field field(map.mask.size(), 12345);
+    cuda_on_host::squared_distance_field(map.mask.data(), map.width, map.height, field.data(), {});
+    EXPECT_EQ(field, field_of(map, 1)) << map.width << " x " << map.height;
+  }
+}
+
 TEST(DistanceField, AnyNumberOfThreadsGivesTheSame) {
   for (const Map& map :
        {random_map(500, 300, 0.001, 99), random_map(63, 2, 0.1, 98), random_map(1, 1, 1.0, 97)}) {
@@ -145,8 +156,7 @@ TEST(DistanceField, SizesThatNoMapHasAreRefused) {
   EXPECT_THROW(skip_field(mask.data(), 32768, 1), Error);
 }
 
-// ---- skip field
-// -----------------------------------------------------------------------------------------------------
+// ---- skip field ---------------------------------------------------------------------------------
 
 /// The padded array, by definition: the nearest blocking cell in the square norm, or the ring, at most 255.
 Mask brute_force_skip(const Map& map) {

@@ -37,8 +37,7 @@ std::string message_of(const std::function<void()>& action) {
   return {};
 }
 
-// ---- PGM
-// ------------------------------------------------------------------------------------------------------------
+// ---- PGM ----------------------------------------------------------------------------------------
 
 TEST(Pgm, RawWithComments) {
   const GreyImage image = pgm("P5\n# CREATOR: someone 0.05 m/pix\n3#width\n 2\t255\n\x01\x02\x03#\x0a\xff");
@@ -99,8 +98,7 @@ TEST(Pgm, EachMistakeHasOneClearLine) {
   }
 }
 
-// ---- PNG
-// ------------------------------------------------------------------------------------------------------------
+// ---- PNG ----------------------------------------------------------------------------------------
 
 void append(png_structp png, png_bytep data, std::size_t count) {
   auto* out = static_cast<Bytes*>(png_get_io_ptr(png));

@@ -77,8 +77,7 @@ std::string picture(const GridMap& map) {
   return out;
 }
 
-// ---- the YAML file
-// --------------------------------------------------------------------------------------------------
+// ---- the YAML file ------------------------------------------------------------------------------
 
 TEST(MapYaml, ReadsEveryKey) {
   const MapYaml y = map_yaml_from_text(
@@ -170,8 +169,7 @@ TEST(MapYaml, EachMistakeHasOneClearLine) {
   }
 }
 
-// ---- pixels to cells
-// ------------------------------------------------------------------------------------------------
+// ---- pixels to cells ----------------------------------------------------------------------------
 
 class MapModes : public MapFolder {
  protected:
@@ -231,8 +229,7 @@ TEST_F(MapFolder, TheTopRowOfTheImageIsTheLastRowOfTheGrid) {
   EXPECT_EQ(map.name, path("map.yaml"));
 }
 
-// ---- files
-// ----------------------------------------------------------------------------------------------------------
+// ---- files --------------------------------------------------------------------------------------
 
 TEST_F(MapFolder, TheImageLiesRelativeToTheYamlOrIsAbsolute) {
   fs::create_directories(folder_ / "images");
@@ -295,8 +292,7 @@ TEST_F(MapFolder, AMapThatCannotBeWrittenChangesNothing) {
   EXPECT_TRUE(fs::is_empty(folder_));
 }
 
-// ---- the grid
-// -------------------------------------------------------------------------------------------------------
+// ---- the grid -----------------------------------------------------------------------------------
 
 TEST(GridMap, APointLiesInTheCellBelowAndLeftOfIt) {
   const GridMap map = grid_from_text({"#.", "?#"}, 0.5, {-1.0, -2.0, 0.0});
@@ -332,8 +328,7 @@ TEST(GridMap, TextMapsAreChecked) {
   EXPECT_EQ(message({"."}, 0.0), "text map: expected a resolution above 0 m, got 0.000000");
 }
 
-// ---- real maps
-// ------------------------------------------------------------------------------------------------------
+// ---- real maps ----------------------------------------------------------------------------------
 
 TEST(RealMaps, AreReadWithTheirSize) {
   const char* set = std::getenv("PARLOC_DATA");

@@ -134,8 +134,7 @@ TEST(Relations, ReadAndErrors) {
   }
 }
 
-// ---- real data: what the data's README states about its own references
-// ------------------------------------------------
+// ---- real data: what the data's README states about its own references --------------------------
 
 struct Named {
   const char* folder;

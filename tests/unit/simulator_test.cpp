@@ -79,8 +79,7 @@ double deviation(const std::vector<double>& values) {
   return std::sqrt(sum / static_cast<double>(values.size()));
 }
 
-// ---- the ray caster
-// -------------------------------------------------------------------------------------------------
+// ---- the ray caster -----------------------------------------------------------------------------
 /// Test map T1 (SPEC 0.2): 10 x 8 cells of 0.5 m at (-1, -2), a wall around it, and cells (6, 4) and (3, 2).
 GridMap t1() {
   return grid_from_text({"##########",   //
@@ -147,8 +146,7 @@ TEST(SimulatedRay, knows_a_turned_grid) {
   }
 }
 
-// ---- the drive
-// ------------------------------------------------------------------------------------------------------
+// ---- the drive ----------------------------------------------------------------------------------
 TEST(Drive, the_papers_path_is_17_m_long) {
   const Scenario scenario = paper();
   EXPECT_NEAR(path_length_m(scenario.path), 17.0, 0.02 * 17.0);
@@ -223,8 +221,7 @@ TEST(ShippedPaths, keep_clear_of_walls) {
   }
 }
 
-// ---- scans
-// ----------------------------------------------------------------------------------------------------------
+// ---- scans --------------------------------------------------------------------------------------
 TEST(Simulator, a_noise_free_scan_is_explained_by_the_truth) {
   Scenario scenario = noise_free(paper());
   scenario.scan_rate_hz = 1.0;
@@ -354,8 +351,7 @@ TEST(Simulator, over_range_beams_come_as_asked) {
   EXPECT_EQ(simulate(s, corridor()).dropouts, simulate(s, corridor()).beams);
 }
 
-// ---- odometry
-// -------------------------------------------------------------------------------------------------------
+// ---- odometry -----------------------------------------------------------------------------------
 TEST(Simulator, odometry_without_noise_is_the_truth_in_its_own_frame) {
   Scenario s = noise_free(paper());
   s.odometry.start = {100.0, -50.0, 2.0};
@@ -422,8 +418,7 @@ TEST(Simulator, systematic_errors_are_exact) {
   EXPECT_NEAR(largest, 1.1 * 90.0 * kDeg, 1e-9);
 }
 
-// ---- one seed, one log
-// ----------------------------------------------------------------------------------------------
+// ---- one seed, one log --------------------------------------------------------------------------
 TEST(Simulator, a_seed_means_one_log) {
   Scenario s = paper();
   s.scan_rate_hz = 1.0;
@@ -487,8 +482,7 @@ TEST(Simulator, stamps_are_multiples_of_5_ms_and_odometry_comes_between_scans) {
   EXPECT_EQ(log.truth.size(), (log.records.size() + 1) / 2);
 }
 
-// ---- what is refused
-// ------------------------------------------------------------------------------------------------
+// ---- what is refused ----------------------------------------------------------------------------
 /// The message of the Error that `body` throws, and its kind.
 template <class Body>
 std::string error_of(Body&& body, ErrorKind kind) {

@@ -1,0 +1,51 @@
+// From settings and arrays to stage arguments: the same for every backend, whatever space the arrays are in.
+#pragma once
+
+#include "common/filter/stages.h"
+#include "common/map/grid_map.h"
+
+namespace parloc {
+
+/// `padded`: an array of (width + 2) x (height + 2), or null. Where its cell (0, 0) is; null for null.
+template <class T>
+const T* first_cell(const T* padded, const GridMap& map) {
+  return padded == nullptr ? nullptr : padded + (map.width + 2) + 1;
+}
+
+/// `skip`: a skip field (common/map/skip_field.h), or null for models that cast no rays.
+inline RayMap bind_ray_map(const std::uint8_t* skip, const GridMap& map) {
+  return {first_cell(skip, map),
+          map.width,
+          map.height,
+          map.width + 2,
+          static_cast<float>(map.resolution_m),
+          static_cast<float>(1.0 / map.resolution_m)};
+}
+
+/// `table`: a likelihood table (common/model/likelihood_field.h), or null for models that do not look up.
+inline LikelihoodField bind_field(const float* table, const GridMap& map) {
+  return {first_cell(table, map), map.width, map.height, map.width + 2};
+}
+
+inline RayTraceArgs bind_rays(const Particles& particles, const RayMap& map, const Beams& beams,
+                              const SensorConfig& sensor) {
+  return {particles, map, beams, sensor.caster, static_cast<float>(sensor.fixed_step_cells), nullptr};
+}
+
+inline WeightArgs bind_weight(const RayTraceArgs& rays, const LikelihoodField& field,
+                              const SensorConfig& sensor) {
+  return {rays,
+          sensor.model,
+          static_cast<float>(sensor.tempering),
+          bind_gaussian(sensor),
+          bind_censored(sensor, rays.beams.range_max_m),
+          field,
+          sensor.lookup};
+}
+
+inline NormaliseArgs bind_normalise(const Particles& particles, const Weights& weights,
+                                    const ResampleConfig& resample, StepState* state) {
+  return {particles, weights, resample.threshold, resample.threshold >= 1.0, state};
+}
+
+}  // namespace parloc

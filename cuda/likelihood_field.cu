@@ -1,0 +1,26 @@
+#include "cuda/likelihood_field.h"
+
+namespace parloc::PARLOC_CUDA_NAMESPACE {
+namespace {
+
+struct FillTable {
+  const std::uint32_t* squared_cells;
+  std::int32_t width, height;
+  DistanceLikelihood likelihood;
+  float* table;
+  std::size_t size;
+  PARLOC_HD void operator()(const Thread& me) const {
+    for (std::size_t at = me.first(); at < size; at += me.stride())
+      table[at] = table_value(likelihood, squared_cells, width, height, at);
+  }
+};
+
+}  // namespace
+
+void likelihood_table(const std::uint32_t* squared_cells, std::int32_t width, std::int32_t height,
+                      const DistanceLikelihood& likelihood, float* table, Stream stream) {
+  const std::size_t size = (static_cast<std::size_t>(width) + 2) * (static_cast<std::size_t>(height) + 2);
+  launch(FillTable{squared_cells, width, height, likelihood, table, size}, blocks_for(size), stream);
+}
+
+}  // namespace parloc::PARLOC_CUDA_NAMESPACE
