@@ -36,6 +36,26 @@ void draw_cells(Canvas& canvas, const GridMap& map, const MapView& view) {
   }
 }
 
+/// The dashes of a line that has come `travelled` pixels so far, cut where dash and gap meet. A segment of
+/// more than `kLongest` dashes is drawn solid: it is a jump far outside the picture, and must not cost its
+/// length.
+void draw_dashes(Canvas& canvas, Pixel from, Pixel to, double travelled, double width_px, double dash_px,
+                 Rgba colour) {
+  constexpr double kLongest = 10'000;
+  const double length = std::hypot(to.x - from.x, to.y - from.y);
+  if (length > kLongest * dash_px) return canvas.line(from.x, from.y, to.x, to.y, width_px, colour);
+  for (double at = 0.0; at < length;) {
+    const double into = std::fmod(travelled + at, 2 * dash_px);
+    const bool gap = into >= dash_px;
+    const double end = std::min(length, at + std::max(1e-3, (gap ? 2 * dash_px : dash_px) - into));
+    const double a = at / length, b = end / length;
+    if (!gap)
+      canvas.line(from.x + a * (to.x - from.x), from.y + a * (to.y - from.y), from.x + b * (to.x - from.x),
+                  from.y + b * (to.y - from.y), width_px, colour);
+    at = end;
+  }
+}
+
 /// A solid line, or dashes of `dash_px` with gaps as long (0: solid).
 void draw_track(Canvas& canvas, const Trajectory& track, const MapView& view, double width_px, double dash_px,
                 Rgba colour) {
@@ -50,8 +70,8 @@ void draw_track(Canvas& canvas, const Trajectory& track, const MapView& view, do
     const Pixel to = view.to_pixel(p.pose.x_m, p.pose.y_m);
     const double step = pen_down ? std::hypot(to.x - last.x, to.y - last.y) : 0.0;
     if (pen_down && step < 0.7) continue;  // also bounds the work for a robot that stands still
-    const bool gap = dash_px > 0.0 && std::fmod(travelled, 2 * dash_px) >= dash_px;
-    if (pen_down && !gap) canvas.line(last.x, last.y, to.x, to.y, width_px, colour);
+    if (pen_down && dash_px > 0.0) draw_dashes(canvas, last, to, travelled, width_px, dash_px, colour);
+    if (pen_down && dash_px <= 0.0) canvas.line(last.x, last.y, to.x, to.y, width_px, colour);
     travelled += step, last = to, pen_down = true;
   }
 }
