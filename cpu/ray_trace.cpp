@@ -89,7 +89,8 @@ HWY_INLINE void advance(const RayMap& map, Rays& r, VF u, VF v, VF reach) {
   const VF next = hn::Max(below, above);  // crossings grow along the ray: the next is the larger
   const VF last = hn::Min(below, above);
   const MF early = hn::Or(hn::Lt(next, t), hn::And(by_x, hn::Eq(next, t)));
-  const MF late = hn::Or(hn::Gt(last, t), hn::AndNot(by_x, hn::Eq(last, t)));
+  const MF ahead = hn::Gt(last, hn::Zero(f32));
+  const MF late = hn::And(ahead, hn::Or(hn::Gt(last, t), hn::AndNot(by_x, hn::Eq(last, t))));
   const VF other =
       hn::Add(c, hn::Sub(hn::IfThenElseZero(early, sign), hn::IfThenElseZero(hn::AndNot(early, late), sign)));
 

@@ -10,7 +10,7 @@
 
 #include "common/error.h"
 #include "common/io/line_reader.h"
-#include "common/io/text_fields.h"
+#include "common/io/text_rows.h"
 #include "common/math/portable64.h"
 
 namespace parloc {
@@ -145,20 +145,7 @@ TrackErrors compare_tracks(const Trajectory& estimate, const Trajectory& truth, 
 
 std::vector<Relation> read_relations(const std::string& path) {
   LineReader lines = LineReader::from_file(path);
-  std::vector<Relation> relations;
-  std::string_view line;
-  try {
-    while (lines.next(line)) {
-      if (lines.cut()) throw BrokenLine{"expected 8 numbers, found a line of more than a mebibyte"};
-      Fields fields(line);
-      if (fields.empty() || line[line.find_first_not_of(" \t")] == '#') continue;
-      relations.push_back(read_relation(fields));
-    }
-  } catch (const BrokenLine& broken) {
-    throw input_error(lines.name(), lines.line(), broken.why);
-  }
-  if (!lines.failure().empty()) throw input_error(lines.name(), lines.line(), lines.failure());
-  return relations;
+  return read_text_rows(lines, read_relation);
 }
 
 RelationErrors compare_relations(const Trajectory& estimate, const std::vector<Relation>& relations) {

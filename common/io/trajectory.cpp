@@ -9,7 +9,7 @@
 #include "common/error.h"
 #include "common/io/line_reader.h"
 #include "common/io/output_file.h"
-#include "common/io/text_fields.h"
+#include "common/io/text_rows.h"
 #include "common/math/portable64.h"
 
 namespace parloc {
@@ -44,19 +44,7 @@ StampedPose read_row(Fields& fields) {
 }
 
 Trajectory read_rows(LineReader lines) {
-  Trajectory trajectory;
-  std::string_view line;
-  try {
-    while (lines.next(line)) {
-      if (lines.cut()) throw BrokenLine{"expected 8 numbers, found a line of more than a mebibyte"};
-      Fields fields(line);
-      if (fields.empty() || line[line.find_first_not_of(" \t")] == '#') continue;
-      trajectory.push_back(read_row(fields));
-    }
-  } catch (const BrokenLine& broken) {
-    throw input_error(lines.name(), lines.line(), broken.why);
-  }
-  if (!lines.failure().empty()) throw input_error(lines.name(), lines.line(), lines.failure());
+  const Trajectory trajectory = read_text_rows(lines, read_row);
   if (trajectory.empty()) throw input_error(lines.name(), 0, "expected a pose, found none");
   return trajectory;
 }

@@ -93,7 +93,8 @@ PARLOC_HD std::int32_t index_at(float p, float d, float inv, float t, bool inclu
   const float next = d < 0.0f ? below : above;
   const float last = d < 0.0f ? above : below;
   const bool too_early = inclusive ? next <= t : next < t;
-  const bool too_late = inclusive ? last > t : last >= t;
+  // A line at or behind the start is not crossed: without this a ray that starts on a line would fall back.
+  const bool too_late = last > 0.0f && (inclusive ? last > t : last >= t);
   const float forward = d < 0.0f ? -1.0f : 1.0f;
   const float shift = too_early ? forward : (too_late ? -forward : 0.0f);
   return static_cast<std::int32_t>(c + shift);

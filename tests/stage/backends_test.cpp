@@ -192,26 +192,27 @@ INSTANTIATE_TEST_SUITE_P(
              "field_nearest"}),
     [](const auto& one) { return std::string(one.param.name); });
 
-TEST(Casters, SkipAndDdaGiveTheSameRanges) {
+Trace cpu_run(SensorModel model, RayCaster caster, ResampleScheme scheme, std::int64_t particles) {
   BackendConfig c;
-  c.particles = 3000;
-  c.sensor.model = SensorModel::gaussian;
-  const auto skip = make_cpu_backend(c);
-  const Trace fast = run(*skip, c, 3000, true);
-  c.sensor.caster = RayCaster::dda;
-  const auto dda = make_cpu_backend(c);
-  expect_same(run(*dda, c, 3000, true), fast);
+  c.particles = particles;
+  c.sensor.model = model;
+  c.sensor.caster = caster;
+  c.resample.scheme = scheme;
+  return run(*make_cpu_backend(c), c, particles, true);
 }
 
-TEST(Casters, MultinomialBisectionEqualsTheLinearSearch) {
-  BackendConfig c;
-  c.particles = 1000;
-  c.resample.scheme = ResampleScheme::multinomial;
-  const auto fast = make_cpu_backend(c);
-  const Trace a = run(*fast, c, 1000, true);
-  c.resample.scheme = ResampleScheme::multinomial_linear;
-  const auto linear = make_cpu_backend(c);
-  expect_same(run(*linear, c, 1000, true), a);
+TEST(References, TheSkippingCasterGivesTheRangesOfDda) {
+  const auto with = [](RayCaster caster) {
+    return cpu_run(SensorModel::gaussian, caster, ResampleScheme::systematic, 3000);
+  };
+  expect_same(with(RayCaster::skip), with(RayCaster::dda));
+}
+
+TEST(References, MultinomialBisectionEqualsTheLinearSearch) {
+  const auto with = [](ResampleScheme scheme) {
+    return cpu_run(SensorModel::likelihood_field, RayCaster::skip, scheme, 1000);
+  };
+  expect_same(with(ResampleScheme::multinomial), with(ResampleScheme::multinomial_linear));
 }
 
 }  // namespace
