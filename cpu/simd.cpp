@@ -1,5 +1,7 @@
 #include "cpu/simd.h"
 
+#include <hwy/targets.h>
+
 #include <algorithm>
 #include <cstdlib>
 #include <cstring>
@@ -30,8 +32,17 @@ Simd first_level() {
   return best;
 }
 
+/// Highway chooses for cpu/ray_trace.cpp by itself: it gets the same limit. Its better targets have lower
+/// bits.
+Simd limit_highway(Simd most) {
+#if defined(__x86_64__)
+  hwy::DisableTargets(most == Simd::avx512 ? 0 : HWY_AVX2 - 1);
+#endif
+  return most;
+}
+
 Simd& level() {
-  static Simd current = first_level();
+  static Simd current = limit_highway(first_level());
   return current;
 }
 
@@ -41,7 +52,7 @@ Simd simd_level() {
   return level();
 }
 void limit_simd(Simd most) {
-  level() = std::min(most, best_of_this_cpu());
+  level() = limit_highway(std::min(most, best_of_this_cpu()));
 }
 
 const char* simd_name(Simd l) {

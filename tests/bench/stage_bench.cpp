@@ -1,0 +1,309 @@
+// How long a step of the filter takes, and each of its stages alone, on every backend of this build that
+// answers.
+//   ./stage_bench [--benchmark_filter=step/gaussian/skip/cpu/particles:4000] [--benchmark_repetitions=5]
+// Particles track a robot in the hall with obstacles: normal around the true pose (0.2 m, 0.1 rad), 8 m
+// LiDAR, 270 degrees, a scan simulated against the map of 1 cm. Before every iteration everything that the
+// last one changed is restored, outside the clock, so that all iterations do the same work; only random
+// numbers are new each time, or the branch predictor would know 4000 of them by heart. The clock runs
+// until finish() has returned, that is until a device is done. Times are wall clock (UseManualTime).
+#include <benchmark/benchmark.h>
+
+#include <chrono>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "common/error.h"
+#include "common/eval/simulator.h"
+#include "common/filter/backend.h"
+#include "common/filter/bind.h"
+#include "common/filter/start.h"
+#include "common/map/blocking_cells.h"
+#include "common/map/map_reader.h"
+#include "common/map/skip_field.h"
+#include "cpu/stages.h"
+
+namespace {
+
+using namespace parloc;
+using Clock = std::chrono::steady_clock;
+
+const std::string kRoot = std::string(PARLOC_SOURCE_DIR) + "/";
+
+/// The hall with one scan, from half-way along the path of Paz et al. 2012.
+struct Place {
+  GridMap map;
+  Scan scan;
+  Pose pose;
+};
+
+const Place& hall() {
+  static const Place place = [] {
+    Scenario scenario = read_scenario(kRoot + "configs/paz2012_scenario.yaml");
+    scenario.lidar.dropout_probability = 0.0;  // so that every selected beam is used
+    const SimulatedLog log =
+        simulate(scenario, read_map(scenario.map_path), [](double fraction) { return fraction < 0.5; });
+    Place p;
+    p.map = read_map(kRoot + "maps/hall_obstacles.yaml");
+    p.pose = log.truth.back().pose;
+    for (const LogRecord& record : log.records)
+      if (record.kind == RecordKind::scan) p.scan = record.scan;
+    return p;
+  }();
+  return place;
+}
+
+struct Case {
+  BackendChoice backend = BackendChoice::cpu;
+  SensorConfig sensor;
+  std::int64_t particles = 0;
+  int beams = 0;
+  int threads = 1;
+};
+
+/// A backend with the map, a scan and a cloud of particles.
+class Rig {
+ public:
+  explicit Rig(const Case& c) : config_(c) {
+    const Place& place = hall();
+    BackendConfig config;
+    config.particles = c.particles;
+    config.threads = c.threads;
+    config.sensor = c.sensor;
+    backend = make_backend(c.backend, config, why_);
+    backend->set_map(place.map);
+    ScanConfig scan_config;
+    scan_config.max_beams = c.beams;
+    BeamCounts counts;
+    select_beams(place.scan, scan_config, c.sensor, place.map.resolution_m, beams, counts);
+    backend->set_range_max(beams.range_max_m);
+    cloud = gaussian_start(place.map, place.pose, 0.2, 0.2, 0.1, c.particles, 1);
+    backend->upload(cloud);  // and once through all stages: the first step allocates
+    backend->set_scan(beams);
+    backend->predict(motion, next_key());
+    backend->weight(true);
+    weighed = backend->download();
+    backend->normalise_scan();
+    backend->estimate();
+    backend->resample(next_key());
+    last = backend->finish();
+  }
+
+  /// Times `work`; `restore` runs before each iteration, outside the clock.
+  template <class Restore, class Work>
+  void measure(benchmark::State& state, const Restore& restore, const Work& work) {
+    for (auto _ : state) {
+      restore();
+      backend->finish();
+      const Clock::time_point begun = Clock::now();
+      work();
+      last = backend->finish();
+      state.SetIterationTime(std::chrono::duration<double>(Clock::now() - begun).count());
+    }
+    count(state, "particles/s", static_cast<double>(config_.particles));
+    state.SetLabel(backend->name());
+  }
+  void count_rays(benchmark::State& state) const {
+    count(state, "rays/s", static_cast<double>(config_.particles) * static_cast<double>(beams.count));
+  }
+
+  RandomKey next_key() { return {1, step_++}; }
+
+  std::unique_ptr<Backend> backend;
+  BeamTable beams;
+  ParticleSet cloud;    ///< Before a step.
+  ParticleSet weighed;  ///< After predict and weight.
+  StepState last;       ///< Of the last step or stage.
+  const MotionStep motion =
+      motion_step(odometry_increment({0, 0, 0}, {0.05, 0.0, 0.02}, 0.01), MotionConfig{});
+
+ private:
+  static void count(benchmark::State& state, const char* name, double per_iteration) {
+    state.counters[name] = benchmark::Counter(per_iteration, benchmark::Counter::kIsIterationInvariantRate);
+  }
+  Case config_;
+  std::string why_;
+  std::uint32_t step_ = 0;
+};
+
+// ---- the stages ---------------------------------------------------------------------------------
+void predict(benchmark::State& state, const Case& c) {
+  Rig rig(c);
+  rig.measure(
+      state, [&] { rig.backend->upload(rig.cloud); },
+      [&] { rig.backend->predict(rig.motion, rig.next_key()); });
+}
+
+/// The stage of the CPU backend into an array that is there already.
+void ray_trace(benchmark::State& state, const Case& c) {
+  Rig rig(c);
+  const GridMap& map = hall().map;
+  const std::vector<std::uint8_t> skip =
+      skip_field(blocking_cells(map, c.sensor.unknown_blocks).data(), map.width, map.height);
+  ParticleSet& set = rig.weighed;
+  std::vector<float> expected_m(set.x.size() * rig.beams.count);
+  const BeamTable& t = rig.beams;
+  const Beams beams{t.direction_x.data(), t.direction_y.data(), t.range_m.data(), t.short_density.data(),
+                    t.end_x.data(),       t.end_y.data(),       t.count,          t.hits,
+                    t.range_max_m,        t.sensor_x,           t.sensor_y};
+  RayTraceArgs args =
+      bind_rays({set.x.data(), set.y.data(), set.theta.data(), set.log_weight.data(), set.x.size()},
+                bind_ray_map(skip.data(), map), beams, c.sensor);
+  args.expected_m = expected_m.data();
+  cpu::Workers workers;
+  workers.threads = c.threads;
+  rig.measure(
+      state, [] {}, [&] { cpu::ray_trace(args, workers); });
+  rig.count_rays(state);
+}
+
+/// Of any backend, with the allocation and the download of the ranges: no part of a step.
+void ray_trace_and_download(benchmark::State& state, const Case& c) {
+  Rig rig(c);
+  rig.backend->upload(rig.weighed);
+  rig.measure(
+      state, [] {}, [&] { benchmark::DoNotOptimize(rig.backend->ray_trace().data()); });
+  rig.count_rays(state);
+}
+
+void weight(benchmark::State& state, const Case& c) {
+  Rig rig(c);
+  rig.measure(
+      state, [&] { rig.backend->upload(rig.cloud); }, [&] { rig.backend->weight(true); });
+  rig.count_rays(state);
+}
+
+void normalise_scan(benchmark::State& state, const Case& c) {
+  Rig rig(c);
+  rig.measure(
+      state, [&] { rig.backend->upload(rig.weighed); }, [&] { rig.backend->normalise_scan(); });
+}
+
+/// Changes neither poses nor weights.
+void estimate(benchmark::State& state, const Case& c) {
+  Rig rig(c);
+  rig.backend->upload(rig.weighed);
+  rig.backend->normalise_scan();
+  rig.measure(
+      state, [] {}, [&] { rig.backend->estimate(); });
+}
+
+/// The weights of a scan in tracking, of which N_eff is low: particles are drawn in every iteration.
+void resample(benchmark::State& state, const Case& c) {
+  Rig rig(c);
+  if (rig.last.resample == 0) return state.SkipWithError("the weights do not ask for resampling");
+  rig.measure(
+      state,
+      [&] {
+        rig.backend->upload(rig.weighed);
+        rig.backend->normalise_scan();
+      },
+      [&] { rig.backend->resample(rig.next_key()); });
+}
+
+/// All that a backend does per scan, the upload of the scan and the download of the estimate included.
+void step(benchmark::State& state, const Case& c) {
+  Rig rig(c);
+  rig.measure(
+      state, [&] { rig.backend->upload(rig.cloud); },
+      [&] {
+        rig.backend->predict(rig.motion, rig.next_key());
+        rig.backend->set_scan(rig.beams);
+        rig.backend->weight(true);
+        rig.backend->normalise_scan();
+        rig.backend->estimate();
+        rig.backend->resample(rig.next_key());
+      });
+  rig.count_rays(state);
+  state.counters["resampled"] = rig.last.resample;
+}
+
+// ---- which of them ------------------------------------------------------------------------------
+struct Size {
+  std::int64_t particles;
+  int beams;
+};
+constexpr Size kUsual{4000, 200}, kSmall{500, 50}, kLarge{100'000, 200};
+
+const char* name_of(SensorModel model) {
+  return model == SensorModel::gaussian ? "gaussian"
+         : model == SensorModel::beam   ? "beam"
+                                        : "likelihood_field";
+}
+const char* name_of(RayCaster caster) {
+  return caster == RayCaster::skip ? "skip" : caster == RayCaster::dda ? "dda" : "fixed_step";
+}
+
+void add(const std::string& name, void (*stage)(benchmark::State&, const Case&), Case c, Size size) {
+  c.particles = size.particles;
+  c.beams = size.beams;
+  std::string full = name + (c.backend == BackendChoice::cpu ? "/cpu" : "/cuda") +
+                     "/particles:" + std::to_string(c.particles) + "/beams:" + std::to_string(c.beams);
+  if (c.backend == BackendChoice::cpu) full += "/threads:" + std::to_string(c.threads);
+  benchmark::RegisterBenchmark(full.c_str(), [=](benchmark::State& state) { stage(state, c); })
+      ->UseManualTime()
+      ->Unit(benchmark::kMillisecond);
+}
+
+void add_sensor_stages(Case c, SensorModel model, RayCaster caster) {
+  c.sensor = default_sensor(model);
+  c.sensor.caster = caster;
+  const bool casts = model != SensorModel::likelihood_field;
+  const std::string tail =
+      std::string("/") + name_of(model) + (casts ? "/" : "") + (casts ? name_of(caster) : "");
+  for (const Size size : {kUsual, kSmall, kLarge}) {
+    if (size.particles > kUsual.particles && caster != RayCaster::skip) continue;  // seconds per iteration
+    if (model == SensorModel::gaussian) {  // ranges do not depend on the model
+      const std::string name = std::string("/") + name_of(caster);
+      if (c.backend == BackendChoice::cpu) add("ray_trace" + name, ray_trace, c, size);
+      if (c.backend == BackendChoice::cuda)
+        add("ray_trace_and_download" + name, ray_trace_and_download, c, size);
+    }
+    add("weight" + tail, weight, c, size);
+    add("step" + tail, step, c, size);
+  }
+}
+
+void add_backend(BackendChoice backend, int threads) {
+  Case c;
+  c.backend = backend;
+  c.threads = threads;
+  c.sensor = default_sensor(SensorModel::gaussian);
+  for (const Size size : {kUsual, kSmall, kLarge}) {
+    add("predict", predict, c, size);
+    add("normalise_scan", normalise_scan, c, size);
+    add("estimate", estimate, c, size);
+    add("resample", resample, c, size);
+  }
+  for (const SensorModel model : {SensorModel::gaussian, SensorModel::beam})
+    for (const RayCaster caster : {RayCaster::skip, RayCaster::dda, RayCaster::fixed_step})
+      add_sensor_stages(c, model, caster);
+  add_sensor_stages(c, SensorModel::likelihood_field, RayCaster::skip);
+}
+
+bool cuda_answers() {
+  try {
+    BackendConfig config;
+    config.particles = 1;
+    std::string why;
+    make_backend(BackendChoice::cuda, config, why);
+    return true;
+  } catch (const Error&) {
+    return false;  // the context says why: describe_devices()
+  }
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  benchmark::Initialize(&argc, argv);
+  if (benchmark::ReportUnrecognizedArguments(argc, argv)) return 2;
+  std::string devices;
+  for (const std::string& line : describe_devices()) devices += (devices.empty() ? "" : "; ") + line;
+  benchmark::AddCustomContext("devices", devices);
+  for (const int threads : {1, 2}) add_backend(BackendChoice::cpu, threads);
+  if (cuda_answers()) add_backend(BackendChoice::cuda, 1);
+  benchmark::RunSpecifiedBenchmarks();
+  benchmark::Shutdown();
+  return 0;
+}

@@ -1,0 +1,91 @@
+// The accuracy that is promised on real logs, with the default configuration and a known start. Needs the
+// logs (PARLOC_DATA); ten seconds on two free cores, two minutes in a Debug build.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+#include <limits>
+#include <numbers>
+#include <string>
+
+#include "common/eval/metrics.h"
+#include "common/map/map_reader.h"
+#include "tests/unit/real_data.h"
+#include "tools/localize_log.h"
+
+namespace parloc {
+namespace {
+
+constexpr double kNoBar = std::numeric_limits<double>::infinity();
+
+/// Upper limits of the errors over every scan of a log. The real references are themselves 3 to 6 cm off, so
+/// what the track is worth without them is the relation error; tb3_house is simulated and its truth exact.
+struct RealLog {
+  const char* name;
+  const char* folder;
+  const char* map;
+  double mean_m = kNoBar, max_m = kNoBar, relation_m = kNoBar;
+  double rmse_m = kNoBar, heading_rmse_deg = kNoBar;
+};
+
+class RealLogs : public testing::TestWithParam<RealLog> {};
+
+TEST_P(RealLogs, AreLocalizedWithinTheirBars) {
+  const RealLog& bars = GetParam();
+  const auto file = [&](const std::string& name) {
+    return test::real_data(std::string(bars.folder) + "/" + name);
+  };
+  PARLOC_NEEDS_FILE(file("scans.log"));
+
+  tools::LocalizeRequest request;
+  request.config.seed = 1;
+  request.truth = read_tum(file("reference.tum"));
+  request.log_name = file("scans.log");
+  const auto log = open_carmen_log(request.log_name);
+  const tools::Localization run = localize_log(read_map(file(bars.map)), *log, request);
+  const TrackErrors errors = compare_tracks(run.trajectory, request.truth);
+  const double heading_deg = errors.heading_rmse_rad * 180.0 / std::numbers::pi;
+  std::printf("%s: %zu scans in %.1f s; mean %.4f m, max %.3f m, RMSE %.4f m, heading RMSE %.3f degrees\n",
+              bars.name, run.scans, run.wall_s, errors.position_mae_m, errors.position_max_m,
+              errors.position_rmse_m, heading_deg);
+
+  EXPECT_EQ(run.lost_steps, 0u);
+  EXPECT_GT(errors.compared, 500u);
+  EXPECT_LE(errors.without_truth, 2u);  // a reference may begin after the first scan or end before the last
+  EXPECT_LE(errors.position_mae_m, bars.mean_m);
+  EXPECT_LE(errors.position_max_m, bars.max_m);
+  EXPECT_LE(errors.position_rmse_m, bars.rmse_m);
+  EXPECT_LE(heading_deg, bars.heading_rmse_deg);
+  if (bars.relation_m < kNoBar) {
+    const RelationErrors relations = compare_relations(run.trajectory, read_relations(file("relations.txt")));
+    std::printf("%s: %zu relations, mean error %.4f m\n", bars.name, relations.compared,
+                relations.translation_mean_m);
+    EXPECT_GT(relations.compared, 1000u);
+    EXPECT_EQ(relations.without_pose, 0u);
+    EXPECT_LE(relations.translation_mean_m, bars.relation_m);
+  }
+}
+
+INSTANTIATE_TEST_SUITE_P(All, RealLogs,
+                         testing::Values(RealLog{.name = "intel",
+                                                 .folder = "intel",
+                                                 .map = "map.yaml",
+                                                 .mean_m = 0.080,
+                                                 .max_m = 0.35,
+                                                 .relation_m = 0.045},
+                                         RealLog{.name = "aces",
+                                                 .folder = "aces",
+                                                 .map = "map.yaml",
+                                                 .mean_m = 0.075,
+                                                 .max_m = 0.40,
+                                                 .relation_m = 0.050},
+                                         RealLog{.name = "tb3_house",
+                                                 .folder = "tb3_house",
+                                                 .map = "map_05.yaml",
+                                                 .rmse_m = 0.03,
+                                                 .heading_rmse_deg = 1.25}),
+                         [](const auto& one) { return std::string(one.param.name); });
+
+}  // namespace
+}  // namespace parloc
