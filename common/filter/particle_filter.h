@@ -11,6 +11,7 @@
 #include "common/io/log.h"
 #include "common/map/grid_map.h"
 #include "common/math/pose.h"
+#include "common/model/beam_counts.h"
 
 namespace parloc {
 
@@ -38,15 +39,6 @@ struct Estimate {
   bool resampled = false;
   bool lost = false;               ///< Every particle had weight zero: weights were made uniform.
   bool ambiguous_heading = false;  ///< The mean's heading is undefined; the cluster's was taken.
-};
-
-/// How the beams of a scan were sorted out; also summed over a run.
-struct BeamCounts {
-  std::size_t total = 0;       ///< In the scan.
-  std::size_t considered = 0;  ///< After even decimation to max_beams.
-  std::size_t used = 0;        ///< Gave evidence.
-  std::size_t misses = 0;      ///< Among the considered: at or above the maximum, or +inf.
-  std::size_t nan = 0, infinite = 0, negative = 0, zero = 0, below_min = 0;  ///< Rejected, by reason.
 };
 
 /// A particle as a user sees it: map frame, weight share.

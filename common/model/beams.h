@@ -7,8 +7,8 @@
 #include <vector>
 
 #include "common/filter/config.h"
-#include "common/filter/particle_filter.h"
 #include "common/io/log.h"
+#include "common/model/beam_counts.h"
 
 namespace parloc {
 

@@ -13,6 +13,7 @@ set(PARLOC_PUBLIC_HEADERS
   map/grid_map.h
   map/map_reader.h
   math/pose.h
+  model/beam_counts.h
   parloc.h)
 set(_parloc_include_dir ${PROJECT_BINARY_DIR}/include)
 foreach(header ${PARLOC_PUBLIC_HEADERS})
