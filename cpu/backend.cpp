@@ -24,6 +24,9 @@ struct ParticleBuffer {
   Particles view() { return {x.data(), y.data(), theta.data(), log_weight.data(), x.size()}; }
 };
 
+/// Skip fields by sector are worth their memory while they are near the caches' size.
+constexpr std::size_t kMostSkipBytes = std::size_t{64} << 20;
+
 class CpuBackend final : public Backend {
  public:
   explicit CpuBackend(const BackendConfig& config)
@@ -38,7 +41,9 @@ class CpuBackend final : public Backend {
         bin_weight_(bin_capacity_),
         cluster_weight_(bin_capacity_),
         bin_parent_(bin_capacity_),
-        bin_slot_(now_.x.size()) {
+        bin_slot_(now_.x.size()),
+        bin_used_(now_.x.size()) {
+    for (std::uint32_t slot = 0; slot < bin_capacity_; ++slot) bin_clear(bins_view(), slot);
     workers_.threads = config.threads > 0 ? config.threads : omp_get_num_procs();
     if (config.resample.scheme == ResampleScheme::residual) {
       offspring_sum_.resize(now_.x.size());
@@ -59,7 +64,7 @@ class CpuBackend final : public Backend {
           cpu::squared_distance_field(occupied.data(), map.width, map.height, workers_.threads);
     } else {
       const std::vector<std::uint8_t> blocks = blocking_cells(map, config_.sensor.unknown_blocks);
-      skip_ = skip_field(blocks.data(), map.width, map.height);
+      skip_ = skip_field(blocks.data(), map.width, map.height, kMostSkipBytes);
     }
     map_.cells.clear();
     map_.cells.shrink_to_fit();
@@ -133,19 +138,20 @@ class CpuBackend final : public Backend {
                       beams_.range_max_m,
                       beams_.sensor_x,
                       beams_.sensor_y};
-    const RayMap map = bind_ray_map(skip_.empty() ? nullptr : skip_.data(), map_);
+    const RayMap map = bind_ray_map(skip_.lines.empty() ? nullptr : skip_.lines.data(), skip_.plane, map_);
     return bind_rays(now_.view(), map, beams, config_.sensor);
   }
   Weights weights_view() { return {weight_.data(), cumulative_.data(), weight_.size()}; }
   BinTable bins_view() {
     return {bin_key_.data(),    bin_weight_.data(), cluster_weight_.data(),
-            bin_parent_.data(), bin_slot_.data(),   bin_capacity_};
+            bin_parent_.data(), bin_slot_.data(),   bin_used_.data(),
+            &bins_used_,        bin_capacity_};
   }
 
   BackendConfig config_;
   cpu::Workers workers_;
   GridMap map_;  // without its cells
-  std::vector<std::uint8_t> skip_;
+  SkipField skip_;
   std::vector<std::uint32_t> squared_distance_;
   std::vector<float> field_;
   BeamTable beams_;
@@ -154,7 +160,8 @@ class CpuBackend final : public Backend {
   std::vector<std::uint32_t> ancestor_;
   std::uint32_t bin_capacity_;
   std::vector<std::uint64_t> bin_key_, bin_weight_, cluster_weight_;
-  std::vector<std::uint32_t> bin_parent_, bin_slot_;
+  std::vector<std::uint32_t> bin_parent_, bin_slot_, bin_used_;
+  std::uint64_t bins_used_ = 0;
   std::vector<std::uint64_t> offspring_sum_, remainder_sum_;  // residual scheme only
   std::vector<float> expected_m_;                             // unfused reference only
   StepState state_;

@@ -7,30 +7,29 @@
 namespace parloc::cpu {
 namespace {
 
-void clear_bins(const BinTable& t, Workers& workers) {
-  parallel_for(t.capacity, workers.threads, [=](std::size_t begin, std::size_t end) PARLOC_SIMD_LOOP {
-    for (std::size_t s = begin; s < end; ++s) {
-      t.key[s] = kNoBin;
-      t.weight[s] = 0;
-      t.cluster_weight[s] = 0;
-      t.parent[s] = static_cast<std::uint32_t>(s);
-    }
-  });
-}
-
-/// Slot of the root of the heaviest cluster; equal weights: the smaller key.
+/// Slot of the root of the heaviest cluster; equal weights: the smaller key. Afterwards every used slot's
+/// parent is its root, so that membership is one look-up.
 std::uint32_t heaviest_cluster(const BinTable& t) {
-  for (std::uint32_t s = 0; s < t.capacity; ++s) bin_join_neighbours(t, s);
-  for (std::uint32_t s = 0; s < t.capacity; ++s)
-    if (t.key[s] != kNoBin) t.cluster_weight[bin_root(t, s)] += t.weight[s];
-  std::uint32_t best = t.capacity;
-  for (std::uint32_t s = 0; s < t.capacity; ++s) {
-    if (t.key[s] == kNoBin || t.parent[s] != s) continue;
-    const bool better = best == t.capacity || t.cluster_weight[s] > t.cluster_weight[best] ||
-                        (t.cluster_weight[s] == t.cluster_weight[best] && t.key[s] < t.key[best]);
-    if (better) best = s;
+  const std::size_t used = *t.used_count;
+  for (std::size_t k = 0; k < used; ++k) bin_join_neighbours(t, t.used[k]);
+  for (std::size_t k = 0; k < used; ++k) {
+    const std::uint32_t slot = t.used[k], root = bin_root(t, slot);
+    t.parent[slot] = root;
+    t.cluster_weight[root] += t.weight[slot];
+  }
+  std::uint32_t best = t.parent[t.used[0]];
+  for (std::size_t k = 0; k < used; ++k) {
+    const std::uint32_t root = t.parent[t.used[k]];
+    const bool heavier = t.cluster_weight[root] > t.cluster_weight[best];
+    const bool equal = t.cluster_weight[root] == t.cluster_weight[best];
+    if (heavier || (equal && t.key[root] < t.key[best])) best = root;
   }
   return best;
+}
+
+void clear_bins(const BinTable& t) {
+  for (std::size_t k = 0; k < *t.used_count; ++k) bin_clear(t, t.used[k]);
+  *t.used_count = 0;
 }
 
 }  // namespace
@@ -38,15 +37,12 @@ std::uint32_t heaviest_cluster(const BinTable& t) {
 void estimate(const Particles& p, const Weights& weights, const BinTable& bins, StepState* state,
               Workers& workers) {
   const std::uint64_t* weight = weights.weight;
-  clear_bins(bins, workers);
   parallel_for(p.count, workers.threads, [=](std::size_t begin, std::size_t end) PARLOC_SIMD_LOOP {
     for (std::size_t i = begin; i < end; ++i)
       bins.slot_of[i] = bin_insert(bins, bin_key_of(p.x[i], p.y[i], p.theta[i]), weight[i]);
   });
   const std::uint32_t best = heaviest_cluster(bins);
   state->best_slot = best;
-  for (std::uint32_t s = 0; s < bins.capacity; ++s)  // flatten, so that membership is one look-up
-    if (bins.key[s] != kNoBin) bins.parent[s] = bin_root(bins, s);
 
   const double total = static_cast<double>(state->total);
   const double cluster_weight = static_cast<double>(bins.cluster_weight[best]);
@@ -67,6 +63,7 @@ void estimate(const Particles& p, const Weights& weights, const BinTable& bins, 
       });
   finish_covariance(state->all, cov.v, total);
   finish_covariance(state->cluster, cov.v + 6, cluster_weight);
+  clear_bins(bins);
 }
 
 }  // namespace parloc::cpu

@@ -1,6 +1,9 @@
 // Expected ranges, many beams of one particle at a time. The SIMD lanes do the operations of cast_skip
 // (common/map/ray_cast.h) in the same order, so the ranges are the same to the bit; tests hold them together.
-#include "common/filter/trace_beam.h"
+#include "cpu/ray_trace.h"
+
+#include <algorithm>
+
 #include "cpu/stages.h"
 
 #undef HWY_TARGET_INCLUDE
@@ -18,9 +21,11 @@ namespace hn = hwy::HWY_NAMESPACE;
 // cast_skip.
 #if HWY_TARGET == HWY_SCALAR || HWY_TARGET == HWY_EMU128 || HWY_HAVE_SCALABLE || \
     (HWY_ARCH_X86 && HWY_TARGET > HWY_AVX2)
-void trace_skip(const RayTraceArgs& a, const RayOrigin& o, float* expected_m) {
-  for (std::size_t m = 0; m < a.beams.count; ++m) expected_m[m] = trace_beam(a, o, m);
+void skip_first(const RayTraceArgs& a, const RayOrigin& o, std::size_t first, std::size_t last,
+                float* expected_m, Travellers&) {
+  for (std::size_t m = first; m < last; ++m) expected_m[m] = trace_beam(a, o, m);
 }
+void skip_rest(const RayTraceArgs&, const RayOrigin&, float*, Travellers&) {}
 #else
 
 using F = hn::ScalableTag<float>;
@@ -32,119 +37,258 @@ using MF = hn::Mask<F>;
 constexpr F f32;
 constexpr I i32;
 
-/// Rays in the lanes of one vector.
+/// Rays in the lanes of one vector, as their main axis (that of the larger direction component) sees them;
+/// the rest is of the other axis.
 struct Rays {
-  VF dx, dy, inv_dx, inv_dy;
-  VF sign_x, sign_y;  // +1 or -1
-  VF far_x, far_y;    // 1 where the direction is negative: the upper line of a cell is the near face
-  VF i, j;            // current cell
-  MF alive;
+  VF start, other_start;    // [cells]
+  VF inv, other_inv;        // 1 / direction
+  VF sign, other_sign;      // +1 or -1
+  VF other_d;               // direction
+  VF other_behind;          // other_start, a little behind: where the floor is taken
+  VF other_ahead;           // 1 or 0: from a cell to the line that the ray crosses next
+  VI stride, other_stride;  // of the table [bytes]
+  VI base;                  // of the sector's plane, and what makes cells of the bits of whole floats
+  VI tie;                   // 1 where an equal crossing of the other axis comes later (the main axis is y)
+  VI least;                 // 0, or -1 (a NaN) where a line through the start is still to be crossed
+  VF line;                  // the near line of the current cell on the main axis
+  VF other_cell;            // the current cell on the other
+  MF steep;                 // the main axis is y
+  MF alive, hit;
 };
 
 HWY_INLINE VF nonzero(VF d) {
   return hn::IfThenElse(hn::Lt(hn::Abs(d), hn::Set(f32, 1e-12f)), hn::Set(f32, 1e-20f), d);
 }
 
-HWY_INLINE Rays start_rays(const RayTraceArgs& a, const RayOrigin& o, std::size_t first, VF i, VF j) {
-  const std::size_t left = a.beams.count > first ? a.beams.count - first : 0;
-  const MF used = hn::FirstN(f32, left);
-  const VF bx = hn::MaskedLoad(used, f32, a.beams.direction_x + first);
-  const VF by = hn::MaskedLoad(used, f32, a.beams.direction_y + first);
-  const VF c = hn::Set(f32, o.c), s = hn::Set(f32, o.s), one = hn::Set(f32, 1.0f), zero = hn::Zero(f32);
+/// What of the start is the same for all rays of a particle.
+struct Start {
+  VF u, v, i, j;
+};
+
+// The bits of x + 1.5 * 2^23 are those of 1.5 * 2^23 plus x, for whole x of less than 2^22: quicker than a
+// conversion that must answer for all floats.
+constexpr float kWhole = 12582912.0f;
+constexpr std::int32_t kWholeBits = 0x4B400000;
+
+HWY_INLINE VI whole_bits(VF x) {
+  return hn::BitCast(i32, hn::Add(x, hn::Set(f32, kWhole)));
+}
+
+constexpr float kBehind_cells = 1.0f / 16;  // more than a float32 crossing can err on any map
+
+/// Rays of the given base-frame directions, in the particle's cell.
+HWY_INLINE Rays start_rays(const RayMap& map, const RayOrigin& o, const Start& s, VF bx, VF by) {
+  const VF cos = hn::Set(f32, o.c), sin = hn::Set(f32, o.s), one = hn::Set(f32, 1.0f), zero = hn::Zero(f32);
+  const VF minus = hn::Set(f32, -1.0f);
+  const VF dx = nonzero(hn::MulAdd(cos, bx, hn::Neg(hn::Mul(sin, by))));
+  const VF dy = nonzero(hn::MulAdd(sin, bx, hn::Mul(cos, by)));
   Rays r;
-  r.dx = nonzero(hn::MulAdd(c, bx, hn::Neg(hn::Mul(s, by))));
-  r.dy = nonzero(hn::MulAdd(s, bx, hn::Mul(c, by)));
-  r.inv_dx = hn::Div(one, r.dx);
-  r.inv_dy = hn::Div(one, r.dy);
-  const MF left_x = hn::Lt(r.dx, zero), left_y = hn::Lt(r.dy, zero);
-  r.sign_x = hn::IfThenElse(left_x, hn::Set(f32, -1.0f), one);
-  r.sign_y = hn::IfThenElse(left_y, hn::Set(f32, -1.0f), one);
-  r.far_x = hn::IfThenElseZero(left_x, one);
-  r.far_y = hn::IfThenElseZero(left_y, one);
-  r.i = i;
-  r.j = j;
-  r.alive = used;
+  r.steep = hn::Gt(hn::Abs(dy), hn::Abs(dx));
+  const VF d = hn::IfThenElse(r.steep, dy, dx);
+  r.other_d = hn::IfThenElse(r.steep, dx, dy);
+  r.inv = hn::Div(one, d);
+  r.other_inv = hn::Div(one, r.other_d);
+  // sector_of; a slope on the edge of two sectors may fall in either: both are right for it
+  const VF slope = hn::Abs(hn::Mul(r.other_d, r.inv));
+  const VF part =
+      hn::Min(hn::Floor(hn::Mul(slope, hn::Set(f32, float{kSlopes}))), hn::Set(f32, float{kSlopes - 1}));
+  const MF left = hn::Lt(d, zero), other_left = hn::Lt(r.other_d, zero);
+  const VF octant = hn::Add(hn::IfThenElseZero(hn::Lt(dx, zero), hn::Set(f32, float{kSlopes})),
+                            hn::Add(hn::IfThenElseZero(hn::Lt(dy, zero), hn::Set(f32, 2.0f * kSlopes)),
+                                    hn::IfThenElseZero(r.steep, hn::Set(f32, 4.0f * kSlopes))));
+  const VI sector = hn::Sub(whole_bits(hn::Add(octant, part)), hn::Set(i32, kWholeBits));
+  const VI stride = hn::Set(i32, map.stride), one_byte = hn::Set(i32, 1);
+  const auto steep_i = hn::RebindMask(i32, r.steep);
+  r.stride = hn::IfThenElse(steep_i, stride, one_byte);
+  r.other_stride = hn::IfThenElse(steep_i, one_byte, stride);
+  r.sign = hn::IfThenElse(left, minus, one);
+  r.other_sign = hn::IfThenElse(other_left, minus, one);
+  r.other_ahead = hn::IfThenElse(other_left, zero, one);
+  r.start = hn::IfThenElse(r.steep, s.v, s.u);
+  r.other_start = hn::IfThenElse(r.steep, s.u, s.v);
+  r.other_behind = hn::NegMulAdd(r.other_sign, hn::Set(f32, kBehind_cells), r.other_start);
+  const VF far = hn::IfThenElseZero(left, one);
+  // Wraps around on purpose: whole_bits() in leap() carries kWholeBits once per axis.
+  const VI offset = hn::Set(i32, static_cast<std::int32_t>(-static_cast<std::uint32_t>(kWholeBits) *
+                                                           static_cast<std::uint32_t>(map.stride + 1)));
+  r.base = hn::Sub(hn::Add(hn::Mul(sector, hn::Set(i32, map.skip_plane)), offset),
+                   hn::IfThenElseZero(hn::RebindMask(i32, left), r.stride));
+  r.tie = hn::IfThenElseZero(steep_i, one_byte);
+  r.least = hn::IfThenElseZero(hn::RebindMask(i32, other_left), hn::Set(i32, -1));
+  r.line = hn::Add(hn::IfThenElse(r.steep, s.j, s.i), far);
+  r.other_cell = hn::IfThenElse(r.steep, s.i, s.j);
+  r.hit = hn::Lt(one, zero);
   return r;
 }
 
-/// One jump of cast_skip in every lane that is alive.
-HWY_INLINE void advance(const RayMap& map, Rays& r, VF u, VF v, VF reach) {
-  const VI at = hn::Add(hn::Mul(hn::ConvertTo(i32, r.j), hn::Set(i32, map.stride)), hn::ConvertTo(i32, r.i));
-  const auto* base = reinterpret_cast<const std::int32_t*>(map.skip);
-  const VF k = hn::ConvertTo(f32, hn::And(hn::GatherOffset(i32, base, at), hn::Set(i32, 255)));
-  const VF line_x = hn::MulAdd(r.sign_x, k, hn::Add(r.i, r.far_x));
-  const VF line_y = hn::MulAdd(r.sign_y, k, hn::Add(r.j, r.far_y));
-  const VF tx = hn::Mul(hn::Sub(line_x, u), r.inv_dx);
-  const VF ty = hn::Mul(hn::Sub(line_y, v), r.inv_dy);
-  const MF by_x = hn::Lt(tx, ty);
-  const VF t = hn::IfThenElse(by_x, tx, ty);
-  // index_at of the other axis.
-  const VF p = hn::IfThenElse(by_x, v, u);
-  const VF d = hn::IfThenElse(by_x, r.dy, r.dx);
-  const VF inv = hn::IfThenElse(by_x, r.inv_dy, r.inv_dx);
-  const VF sign = hn::IfThenElse(by_x, r.sign_y, r.sign_x);
-  const VF c = hn::Floor(hn::MulAdd(t, d, p));
-  const VF below = hn::Mul(hn::Sub(c, p), inv);
-  const VF above = hn::Mul(hn::Sub(hn::Add(c, hn::Set(f32, 1.0f)), p), inv);
-  const VF next = hn::Max(below, above);  // crossings grow along the ray: the next is the larger
-  const VF last = hn::Min(below, above);
-  const MF early = hn::Or(hn::Lt(next, t), hn::And(by_x, hn::Eq(next, t)));
-  const MF ahead = hn::Gt(last, hn::Zero(f32));
-  const MF late = hn::And(ahead, hn::Or(hn::Gt(last, t), hn::AndNot(by_x, hn::Eq(last, t))));
-  const VF other =
-      hn::Add(c, hn::Sub(hn::IfThenElseZero(early, sign), hn::IfThenElseZero(hn::AndNot(early, late), sign)));
+/// One leap of cast_skip in every lane that is alive.
+HWY_INLINE void leap(const RayMap& map, Rays& r, VF reach) {
+  const VF one = hn::Set(f32, 1.0f);
+  const VI at = hn::Add(hn::Mul(whole_bits(r.line), r.stride),
+                        hn::Add(hn::Mul(whole_bits(r.other_cell), r.other_stride), r.base));
+  const auto* table = reinterpret_cast<const std::int32_t*>(map.skip);
+  const VF lines = hn::ConvertTo(f32, hn::And(hn::GatherOffset(i32, table, at), hn::Set(i32, 255)));
+  const VF line = hn::MulAdd(r.sign, lines, r.line);
+  const VF t = hn::Mul(hn::Sub(line, r.start), r.inv);
+  // index_at of the other axis. The floor is right or one behind, and the next crossing decides; up to t
+  // itself, or up to the float before it where a tie comes later.
+  const VF cell = hn::Floor(hn::MulAdd(t, r.other_d, r.other_behind));
+  const VF next = hn::Mul(hn::Sub(hn::Add(cell, r.other_ahead), r.other_start), r.other_inv);
+  const VF until = hn::BitCast(f32, hn::Max(hn::Sub(hn::BitCast(i32, hn::Abs(t)), r.tie), r.least));
+  const VF other = hn::IfThenElse(hn::Le(next, until), hn::Add(cell, r.other_sign), cell);
 
-  const MF walks = hn::And(r.alive, hn::Gt(k, hn::Zero(f32)));  // not on a wall or the ring
-  const MF within = hn::Lt(t, reach);
-  const MF miss = hn::AndNot(within, walks);
-  const VF next_i = hn::IfThenElse(by_x, hn::Sub(line_x, r.far_x), other);
-  const VF next_j = hn::IfThenElse(by_x, other, hn::Sub(line_y, r.far_y));
-  r.alive = hn::And(walks, within);
-  r.i = hn::IfThenElse(r.alive, next_i, hn::IfThenElse(miss, hn::Set(f32, -2.0f), r.i));
-  r.j = hn::IfThenElse(r.alive, next_j, r.j);
+  const MF walks = hn::And(r.alive, hn::Gt(lines, hn::Zero(f32)));  // not on a wall or the ring
+  const MF sideways = hn::And(hn::Eq(lines, one), hn::Ne(other, r.other_cell));
+  r.hit = hn::Or(r.hit, hn::AndNot(walks, r.alive));
+  r.alive = hn::And(walks, hn::Or(sideways, hn::Lt(t, reach)));
+  const VF stepped = hn::IfThenElse(sideways, hn::Add(r.other_cell, r.other_sign), other);
+  r.line = hn::IfThenElse(hn::AndNot(sideways, r.alive), line, r.line);
+  r.other_cell = hn::IfThenElse(r.alive, stepped, r.other_cell);
 }
 
-HWY_INLINE VF range_of(const RayMap& map, const Rays& r, VF u, VF v, VF range_max) {
-  const VF tx = hn::Mul(hn::Sub(hn::Add(r.i, r.far_x), u), r.inv_dx);
-  const VF ty = hn::Mul(hn::Sub(hn::Add(r.j, r.far_y), v), r.inv_dy);
-  const VF t = hn::Max(hn::Max(tx, ty), hn::Zero(f32));
+HWY_INLINE VF range_of(const RayMap& map, const Rays& r, VF reach, VF range_max) {
+  const VF zero = hn::Zero(f32), one = hn::Set(f32, 1.0f);
+  const VF far = hn::IfThenElseZero(hn::Lt(r.sign, zero), one);
+  const VF cell = hn::Sub(r.line, far);
+  const VF tm = hn::Mul(hn::Sub(r.line, r.start), r.inv);
+  const VF to =
+      hn::Mul(hn::Sub(hn::Add(r.other_cell, hn::Sub(one, r.other_ahead)), r.other_start), r.other_inv);
+  const VF t = hn::Max(hn::Max(tm, to), zero);
   const VF range = hn::Min(hn::Mul(t, hn::Set(f32, map.resolution_m)), range_max);
-  const VF zero = hn::Zero(f32);
+  const VF w = hn::Set(f32, static_cast<float>(map.width)), h = hn::Set(f32, static_cast<float>(map.height));
   const MF inside =
-      hn::And(hn::And(hn::Ge(r.i, zero), hn::Lt(r.i, hn::Set(f32, static_cast<float>(map.width)))),
-              hn::And(hn::Ge(r.j, zero), hn::Lt(r.j, hn::Set(f32, static_cast<float>(map.height)))));
-  return hn::IfThenElse(inside, range, range_max);
+      hn::And(hn::And(hn::Ge(cell, zero), hn::Lt(cell, hn::IfThenElse(r.steep, h, w))),
+              hn::And(hn::Ge(r.other_cell, zero), hn::Lt(r.other_cell, hn::IfThenElse(r.steep, w, h))));
+  return hn::IfThenElse(hn::And(hn::And(r.hit, inside), hn::Lt(t, reach)), range, range_max);
 }
 
-constexpr std::size_t kInFlight = 4;  // vectors whose gathers overlap
+constexpr int kLeapsPerPass = 3;
+constexpr int kInFlight = 4;  // vectors whose look-ups overlap
 
-void trace_skip(const RayTraceArgs& a, const RayOrigin& o, float* expected_m) {
-  const float reach_cells = a.beams.range_max_m * a.map.inv_resolution;
+HWY_INLINE void keep(const Rays& r, VI beams, Travellers& on) {
+  // Not CompressStore: compressing into memory is microcoded on some CPUs.
+  hn::StoreU(hn::Compress(r.line, r.alive), f32, on.line + on.count);
+  hn::StoreU(hn::Compress(r.other_cell, r.alive), f32, on.other_cell + on.count);
+  hn::StoreU(hn::Compress(beams, hn::RebindMask(i32, r.alive)), i32, on.beam + on.count);
+  on.count += hn::CountTrue(f32, r.alive);
+}
+
+/// The rays of one particle: a few leaps for all of them, then those that go on side by side for a few more,
+/// and so on, so that lanes stay busy.
+class Tracer {
+ public:
+  Tracer(const RayTraceArgs& a, const RayOrigin& o, float* expected_m, Travellers& on)
+      : a_(a),
+        o_(o),
+        expected_m_(expected_m),
+        on_(on),
+        reach_cells_(a.beams.range_max_m * a.map.inv_resolution) {}
+
+  void first_leaps(std::size_t first, std::size_t last) {
+    in_groups(first, last, [&](auto group, std::size_t at) { leap_first<decltype(group)::value>(at, last); });
+  }
+  void rest() {
+    while (on_.count > 0) {
+      const std::size_t count = on_.count;
+      on_.count = 0;
+      in_groups(0, count, [&](auto group, std::size_t at) { leap_on<decltype(group)::value>(at, count); });
+    }
+  }
+
+ private:
+  template <int kVectors>
+  struct Group {
+    static constexpr int value = kVectors;
+  };
+
+  /// leap(Group<n>, at) for groups of kInFlight vectors, then for what is left.
+  template <class Leap>
+  HWY_INLINE void in_groups(std::size_t at, std::size_t last, const Leap& leap) {
+    const std::size_t lanes = hn::Lanes(f32);
+    for (; at + (kInFlight - 1) * lanes < last; at += kInFlight * lanes) leap(Group<kInFlight>(), at);
+    if (at + 2 * lanes < last) return leap(Group<3>(), at);
+    if (at + lanes < last) return leap(Group<2>(), at);
+    if (at < last) leap(Group<1>(), at);
+  }
+
+  HWY_INLINE Start start() const {
+    const VF u = hn::Set(f32, o_.u), v = hn::Set(f32, o_.v);
+    return {u, v, hn::Floor(u), hn::Floor(v)};
+  }
+  template <int kVectors>
+  HWY_INLINE void leap_all(Rays (&r)[kVectors]) {
+    const VF reach = hn::Set(f32, reach_cells_);
+    for (int k = 0; k < kLeapsPerPass; ++k)
+      for (int f = 0; f < kVectors; ++f) leap(a_.map, r[f], reach);
+  }
+  HWY_INLINE VF range(const Rays& r) const {
+    const VF range = range_of(a_.map, r, hn::Set(f32, reach_cells_), hn::Set(f32, a_.beams.range_max_m));
+    return hn::IfThenElse(r.alive, hn::Set(f32, kUnfinished_m), range);
+  }
+
+  template <int kVectors>
+  HWY_INLINE void leap_first(std::size_t first, std::size_t last) {
+    const std::size_t lanes = hn::Lanes(f32);
+    Rays r[kVectors];
+    for (int f = 0; f < kVectors; ++f) {
+      const std::size_t at = first + static_cast<std::size_t>(f) * lanes;
+      const MF used = hn::FirstN(f32, last - at);
+      r[f] = start_rays(a_.map, o_, start(), hn::MaskedLoad(used, f32, a_.beams.direction_x + at),
+                        hn::MaskedLoad(used, f32, a_.beams.direction_y + at));
+      r[f].alive = used;
+    }
+    leap_all(r);
+    for (int f = 0; f < kVectors; ++f) {
+      const std::size_t at = first + static_cast<std::size_t>(f) * lanes;
+      hn::StoreU(range(r[f]), f32, expected_m_ + at);
+      keep(r[f], hn::Iota(i32, static_cast<std::int32_t>(at)), on_);
+    }
+  }
+
+  template <int kVectors>
+  HWY_INLINE void leap_on(std::size_t first, std::size_t count) {
+    const std::size_t lanes = hn::Lanes(f32);
+    Rays r[kVectors];
+    VI beams[kVectors];
+    for (int f = 0; f < kVectors; ++f) {
+      const std::size_t at = first + static_cast<std::size_t>(f) * lanes;
+      const MF used = hn::FirstN(f32, count - at);
+      const auto used_i = hn::RebindMask(i32, used);
+      const VI beam = hn::IfThenElseZero(used_i, hn::Load(i32, on_.beam + at));
+      r[f] = start_rays(a_.map, o_, start(), hn::GatherIndex(f32, a_.beams.direction_x, beam),
+                        hn::GatherIndex(f32, a_.beams.direction_y, beam));
+      r[f].alive = used;
+      r[f].line = hn::IfThenElse(used, hn::Load(f32, on_.line + at), r[f].line);
+      r[f].other_cell = hn::IfThenElse(used, hn::Load(f32, on_.other_cell + at), r[f].other_cell);
+      // Unused lanes write behind the last range.
+      beams[f] = hn::IfThenElse(used_i, beam, hn::Set(i32, static_cast<std::int32_t>(a_.beams.count)));
+    }
+    leap_all(r);
+    for (int f = 0; f < kVectors; ++f) {
+      hn::ScatterIndex(range(r[f]), f32, expected_m_, beams[f]);
+      keep(r[f], beams[f], on_);
+    }
+  }
+
+  const RayTraceArgs& a_;
+  const RayOrigin& o_;
+  float* expected_m_;
+  Travellers& on_;
+  float reach_cells_;
+};
+
+void skip_first(const RayTraceArgs& a, const RayOrigin& o, std::size_t first, std::size_t last,
+                float* expected_m, Travellers& on) {
   const bool inside = o.u >= 0.0f && o.v >= 0.0f && o.u < static_cast<float>(a.map.width) &&
                       o.v < static_cast<float>(a.map.height);
   if (!inside) {  // rare: a particle off the map
-    for (std::size_t m = 0; m < a.beams.count; ++m) expected_m[m] = trace_beam(a, o, m);
+    for (std::size_t m = first; m < last; ++m) expected_m[m] = trace_beam(a, o, m);
     return;
   }
-  const VF u = hn::Set(f32, o.u), v = hn::Set(f32, o.v);
-  const VF i = hn::Floor(u), j = hn::Floor(v);
-  const VF reach = hn::Set(f32, reach_cells), range_max = hn::Set(f32, a.beams.range_max_m);
-  const std::size_t lanes = hn::Lanes(f32);
-  for (std::size_t first = 0; first < a.beams.count; first += kInFlight * lanes) {
-    Rays r[kInFlight];
-    for (std::size_t f = 0; f < kInFlight; ++f) r[f] = start_rays(a, o, first + f * lanes, i, j);
-    bool walking = true;
-    while (walking) {
-      for (std::size_t f = 0; f < kInFlight; ++f) advance(a.map, r[f], u, v, reach);
-      MF any = r[0].alive;
-      for (std::size_t f = 1; f < kInFlight; ++f) any = hn::Or(any, r[f].alive);
-      walking = !hn::AllFalse(f32, any);
-    }
-    for (std::size_t f = 0; f < kInFlight && first + f * lanes < a.beams.count; ++f) {
-      const MF used = hn::FirstN(f32, a.beams.count - first - f * lanes);
-      hn::BlendedStore(range_of(a.map, r[f], u, v, range_max), used, f32, expected_m + first + f * lanes);
-    }
-  }
+  Tracer(a, o, expected_m, on).first_leaps(first, last);
+}
+void skip_rest(const RayTraceArgs& a, const RayOrigin& o, float* expected_m, Travellers& on) {
+  Tracer(a, o, expected_m, on).rest();
 }
 #endif
 
@@ -153,23 +297,35 @@ HWY_AFTER_NAMESPACE();
 
 #if HWY_ONCE
 namespace parloc::cpu {
-HWY_EXPORT(trace_skip);
+HWY_EXPORT(skip_first);
+HWY_EXPORT(skip_rest);
 
-void trace_particle(const RayTraceArgs& args, std::size_t particle, float* expected_m) {
-  const RayOrigin origin = ray_origin(args, particle);
-  if (args.caster == RayCaster::skip && simd_level() != Simd::baseline) {
-    HWY_DYNAMIC_DISPATCH(trace_skip)(args, origin, expected_m);
-    return;
-  }
-  for (std::size_t m = 0; m < args.beams.count; ++m) expected_m[m] = trace_beam(args, origin, m);
+void trace_first(const RayTraceArgs& args, const RayOrigin& origin, std::size_t first, std::size_t last,
+                 float* expected_m, Travellers& on) {
+  if (args.caster == RayCaster::skip && simd_level() != Simd::baseline)
+    return HWY_DYNAMIC_DISPATCH(skip_first)(args, origin, first, last, expected_m, on);
+  run_simd([&]() PARLOC_SIMD_LOOP {
+    for (std::size_t m = first; m < last; ++m) expected_m[m] = trace_beam(args, origin, m);
+  });
+}
+
+void trace_rest(const RayTraceArgs& args, const RayOrigin& origin, float* expected_m, Travellers& on) {
+  if (on.count > 0) HWY_DYNAMIC_DISPATCH(skip_rest)(args, origin, expected_m, on);
 }
 
 void ray_trace(const RayTraceArgs& args, Workers& workers) {
-  parallel_blocks(args.particles.count, workers.threads, 1,
-                  [&](std::size_t begin, std::size_t end) PARLOC_SIMD_LOOP {
-                    for (std::size_t i = begin; i < end; ++i)
-                      trace_particle(args, i, args.expected_m + i * args.beams.count);
-                  });
+  const std::size_t beams = args.beams.count;
+  const auto loop = [&](std::size_t begin, std::size_t end) PARLOC_SIMD_LOOP {
+    alignas(64) float row[kRangeRoom];
+    Travellers on;
+    for (std::size_t i = begin; i < end; ++i) {
+      const RayOrigin origin = ray_origin(args, i);
+      trace_first(args, origin, 0, beams, row, on);
+      trace_rest(args, origin, row, on);
+      std::copy(row, row + beams, args.expected_m + i * beams);
+    }
+  };
+  parallel_blocks(args.particles.count, workers.threads, 1, loop);
 }
 
 }  // namespace parloc::cpu

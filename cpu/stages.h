@@ -15,7 +15,4 @@ void estimate(const Particles& particles, const Weights& weights, const BinTable
               Workers& workers);
 void resample(const ResampleArgs& args, Workers& workers);
 
-/// Expected ranges of one particle, [beams.count]: the inner loop of ray_trace and of the fused weight.
-void trace_particle(const RayTraceArgs& args, std::size_t particle, float* expected_m);
-
 }  // namespace parloc::cpu

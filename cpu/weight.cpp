@@ -1,21 +1,31 @@
+#include <atomic>
 #include <vector>
 
+#include "common/filter/normalise.h"
 #include "common/math/fixed_point.h"
-#include "common/model/beams.h"
 #include "cpu/parallel.h"
+#include "cpu/ray_trace.h"
 #include "cpu/stages.h"
 
 namespace parloc::cpu {
 namespace {
 
-/// Sum over the beams of a ray model, hits and misses apart: two straight loops.
+/// Sum over beams [first, last) of a ray model, hits and misses apart: two straight loops. A range that is
+/// not known yet counts as the best one.
 template <class Model>
-PARLOC_HD std::int64_t sum_of_rays(const Model& model, const Beams& b, const float* expected_m) {
+PARLOC_HD std::int64_t sum_of_rays(const Model& model, const Beams& b, const float* expected_m,
+                                   std::size_t first, std::size_t last) {
+  const std::size_t hits = last < b.hits ? last : b.hits;
   std::int64_t sum = 0;
-  for (std::size_t m = 0; m < b.hits; ++m)
-    sum += fixed_log_likelihood(model.hit(b.range_m[m], b.short_density[m], expected_m[m]));
-  for (std::size_t m = b.hits; m < b.count; ++m)
-    sum += fixed_log_likelihood(model.miss(b.range_m[m], expected_m[m]));
+  for (std::size_t m = first; m < hits; ++m) {
+    const float known = model.hit(b.range_m[m], b.short_density[m], expected_m[m]);
+    sum += fixed_log_likelihood(expected_m[m] >= 0.0f ? known
+                                                      : model.most_of_hit(b.range_m[m], b.short_density[m]));
+  }
+  for (std::size_t m = first > hits ? first : hits; m < last; ++m) {
+    const float known = model.miss(b.range_m[m], expected_m[m]);
+    sum += fixed_log_likelihood(expected_m[m] >= 0.0f ? known : model.most_of_miss());
+  }
   return sum;
 }
 
@@ -38,18 +48,81 @@ PARLOC_HD std::int64_t sum_of_end_points(const WeightArgs& a, std::size_t i) {
   return sum;
 }
 
+constexpr std::size_t kChunk = 64;  // beams after which a particle is looked at
+
+/// What is known of the best particle while the others are weighed. Which of them saw it in time to give up
+/// depends on the threads' schedule; the outcome does not, for only those give up whose weight is zero
+/// anyway.
+class Contest {
+ public:
+  explicit Contest(std::size_t particles)
+      : lead_(static_cast<float>(weight_bits(particles) + 1) * 0.693147181f + 0.1f) {}
+  /// Whether a particle that can reach no more than this gets weight zero.
+  bool lost(float most) const { return most < best_.load(std::memory_order_relaxed) - lead_; }
+  void enter(float log_weight) {
+    float best = best_.load(std::memory_order_relaxed);
+    while (best < log_weight && !best_.compare_exchange_weak(best, log_weight, std::memory_order_relaxed)) {
+    }
+  }
+
+ private:
+  float lead_;  // below the best by this, exp rounds to 0 in fixed point
+  std::atomic<float> best_{-__builtin_inff()};
+};
+
+/// most_of_rest[c]: upper bound of the sum over all beams behind chunk c.
+template <class Model>
+std::vector<std::int64_t> most_of_rest(const Model& model, const Beams& b) {
+  const std::size_t chunks = (b.count + kChunk - 1) / kChunk;
+  std::vector<std::int64_t> rest(chunks, 0);
+  for (std::size_t c = chunks; c-- > 1;) {
+    rest[c - 1] = rest[c];
+    for (std::size_t m = c * kChunk; m < b.count && m < (c + 1) * kChunk; ++m)
+      rest[c - 1] += fixed_log_likelihood(m < b.hits ? model.most_of_hit(b.range_m[m], b.short_density[m])
+                                                     : model.most_of_miss());
+  }
+  return rest;
+}
+
+/// Ranges of one particle into `row`, as long as it may win; false if it cannot any more.
+template <class Model>
+bool trace_while_open(const WeightArgs& a, const Model& model, std::size_t i, const std::int64_t* rest,
+                      const Contest& contest, float* row, Travellers& on) {
+  const Beams& beams = a.rays.beams;
+  const float before = a.rays.particles.log_weight[i];
+  const RayOrigin origin = ray_origin(a.rays, i);
+  std::int64_t most = 0;
+  on.count = 0;
+  for (std::size_t first = 0; first < beams.count; first += kChunk) {
+    const std::size_t last = first + kChunk < beams.count ? first + kChunk : beams.count;
+    trace_first(a.rays, origin, first, last, row, on);
+    run_simd([&]() PARLOC_SIMD_LOOP { most += sum_of_rays(model, beams, row, first, last); });
+    if (contest.lost(tempered_log_weight(before, most + rest[first / kChunk], a.tempering))) return false;
+  }
+  trace_rest(a.rays, origin, row, on);
+  return true;
+}
+
 template <class Model>
 void weight_by_rays(const WeightArgs& a, const Model& model, Workers& workers) {
   const RayTraceArgs& r = a.rays;
+  const std::size_t beams = r.beams.count;
   const float* stored_m = r.expected_m;
   float* log_weight = r.particles.log_weight;
+  const std::vector<std::int64_t> rest = most_of_rest(model, r.beams);
+  Contest contest(r.particles.count);
   const auto loop = [&](std::size_t begin, std::size_t end) PARLOC_SIMD_LOOP {
-    alignas(64) float row[kMaxBeams];
+    alignas(64) float row[kRangeRoom];
+    Travellers on;
     for (std::size_t i = begin; i < end; ++i) {
-      if (stored_m == nullptr) trace_particle(r, i, row);
-      const float* expected_m = stored_m != nullptr ? stored_m + i * r.beams.count : row;
+      if (stored_m == nullptr && !trace_while_open(a, model, i, rest.data(), contest, row, on)) {
+        log_weight[i] = kNoWeight;
+        continue;
+      }
+      const float* expected_m = stored_m != nullptr ? stored_m + i * beams : row;
       log_weight[i] =
-          tempered_log_weight(log_weight[i], sum_of_rays(model, r.beams, expected_m), a.tempering);
+          tempered_log_weight(log_weight[i], sum_of_rays(model, r.beams, expected_m, 0, beams), a.tempering);
+      contest.enter(log_weight[i]);
     }
   };
   parallel_blocks(r.particles.count, workers.threads, 1, loop);

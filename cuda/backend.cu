@@ -46,8 +46,11 @@ class CudaBackend final : public Backend {
     for (auto* b : {&bin_key_, &bin_weight_, &cluster_weight_}) b->reserve(bins_.capacity);
     bin_parent_.reserve(bins_.capacity);
     bin_slot_.reserve(count_);
-    bins_ = {bin_key_.data(),    bin_weight_.data(), cluster_weight_.data(),
-             bin_parent_.data(), bin_slot_.data(),   bins_.capacity};
+    bin_used_.reserve(count_);
+    bins_used_.reserve(1);
+    bins_ = {bin_key_.data(),  bin_weight_.data(), cluster_weight_.data(), bin_parent_.data(),
+             bin_slot_.data(), bin_used_.data(),   bins_used_.data(),      bins_.capacity};
+    clear_all_bins(bins_, stream_);
     state_.from_host({StepState{}}, stream_);
     if (config.resample.scheme == ResampleScheme::residual) {
       offspring_sum_.reserve(count_);
@@ -70,7 +73,8 @@ class CudaBackend final : public Backend {
       squared_distance_.reserve(map.size());
       squared_distance_field(occupied.data(), map.width, map.height, squared_distance_.data(), stream_);
     } else {
-      skip_.from_host(skip_field(blocks.data(), map.width, map.height), stream_);
+      // One plane: a map of usual size then fits the first-level cache of a multiprocessor.
+      skip_.from_host(skip_field(blocks.data(), map.width, map.height, 0).lines, stream_);
       synchronise(stream_);
     }
     map_.cells.clear();
@@ -168,7 +172,7 @@ class CudaBackend final : public Backend {
                       short_density_.data(), end_x_.data(),       end_y_.data(),
                       host_beams_.count,     host_beams_.hits,    host_beams_.range_max_m,
                       host_beams_.sensor_x,  host_beams_.sensor_y};
-    return bind_rays(now_->view(), bind_ray_map(skip_.data(), map_), beams, config_.sensor);
+    return bind_rays(now_->view(), bind_ray_map(skip_.data(), 0, map_), beams, config_.sensor);
   }
   Weights weights_view() const { return {weight_.data(), cumulative_.data(), count_}; }
 
@@ -189,8 +193,8 @@ class CudaBackend final : public Backend {
   DeviceBuffer<std::uint64_t> weight_, cumulative_, offspring_sum_, remainder_sum_;
   DeviceBuffer<std::uint32_t> ancestor_;
   BinTable bins_;
-  DeviceBuffer<std::uint64_t> bin_key_, bin_weight_, cluster_weight_;
-  DeviceBuffer<std::uint32_t> bin_parent_, bin_slot_;
+  DeviceBuffer<std::uint64_t> bin_key_, bin_weight_, cluster_weight_, bins_used_;
+  DeviceBuffer<std::uint32_t> bin_parent_, bin_slot_, bin_used_;
   DeviceBuffer<StepState> state_;
 };
 

@@ -6,25 +6,13 @@
 namespace parloc::PARLOC_CUDA_NAMESPACE {
 namespace {
 
-struct ClearBins {
-  BinTable t;
-  std::uint64_t* best;
-  PARLOC_HD void operator()(const Thread& me) const {
-    if (me.first() == 0) best[0] = best[1] = 0;
-    for (std::size_t s = me.first(); s < t.capacity; s += me.stride()) {
-      t.key[s] = kNoBin;
-      t.weight[s] = 0;
-      t.cluster_weight[s] = 0;
-      t.parent[s] = static_cast<std::uint32_t>(s);
-    }
-  }
-};
-
 struct FillBins {
   BinTable t;
   Particles p;
   const std::uint64_t* weight;
+  std::uint64_t* best;
   PARLOC_HD void operator()(const Thread& me) const {
+    if (me.first() == 0) best[0] = best[1] = 0;
     for (std::size_t i = me.first(); i < p.count; i += me.stride())
       t.slot_of[i] = bin_insert(t, bin_key_of(p.x[i], p.y[i], p.theta[i]), weight[i]);
   }
@@ -33,18 +21,15 @@ struct FillBins {
 struct JoinBins {
   BinTable t;
   PARLOC_HD void operator()(const Thread& me) const {
-    for (std::size_t s = me.first(); s < t.capacity; s += me.stride())
-      bin_join_neighbours(t, static_cast<std::uint32_t>(s));
+    for (std::size_t k = me.first(); k < *t.used_count; k += me.stride()) bin_join_neighbours(t, t.used[k]);
   }
 };
 
 struct SumClusters {
   BinTable t;
   PARLOC_HD void operator()(const Thread& me) const {
-    for (std::size_t s = me.first(); s < t.capacity; s += me.stride()) {
-      if (t.key[s] == kNoBin) continue;
-      atomic_add(&t.cluster_weight[bin_root(t, static_cast<std::uint32_t>(s))], t.weight[s]);
-    }
+    for (std::size_t k = me.first(); k < *t.used_count; k += me.stride())
+      atomic_add(&t.cluster_weight[bin_root(t, t.used[k])], t.weight[t.used[k]]);
   }
 };
 
@@ -54,11 +39,35 @@ struct FindHeaviest {
   std::uint64_t* best;
   bool by_key;
   PARLOC_HD void operator()(const Thread& me) const {
-    for (std::size_t s = me.first(); s < t.capacity; s += me.stride()) {
-      if (t.key[s] == kNoBin || t.parent[s] != s) continue;
+    for (std::size_t k = me.first(); k < *t.used_count; k += me.stride()) {
+      const std::uint32_t s = t.used[k];
+      if (t.parent[s] != s) continue;
       if (!by_key) atomic_raise(&best[0], t.cluster_weight[s]);
       if (by_key && t.cluster_weight[s] == best[0]) atomic_raise(&best[1], ~t.key[s]);
     }
+  }
+};
+
+struct ClearBins {
+  BinTable t;
+  PARLOC_HD void operator()(const Thread& me) const {
+    for (std::size_t k = me.first(); k < *t.used_count; k += me.stride()) bin_clear(t, t.used[k]);
+  }
+};
+
+struct ClearList {
+  BinTable t;
+  PARLOC_HD void operator()(const Thread& me) const {
+    if (me.first() == 0) *t.used_count = 0;
+  }
+};
+
+struct ClearAllBins {
+  BinTable t;
+  PARLOC_HD void operator()(const Thread& me) const {
+    if (me.first() == 0) *t.used_count = 0;
+    for (std::size_t s = me.first(); s < t.capacity; s += me.stride())
+      bin_clear(t, static_cast<std::uint32_t>(s));
   }
 };
 
@@ -118,16 +127,19 @@ struct Finish {
 
 }  // namespace
 
+void clear_all_bins(const BinTable& t, Stream stream) {
+  launch(ClearAllBins{t}, blocks_for(t.capacity), stream);
+}
+
 void estimate(const Particles& p, const Weights& w, const BinTable& t, StepState* state, Scratch& scratch,
               Stream stream) {
-  const unsigned slots = blocks_for(t.capacity);
+  const unsigned blocks = blocks_for(p.count);  // there are no more bins than particles
   std::uint64_t* best = scratch.best.data();
-  launch(ClearBins{t, best}, slots, stream);
-  launch(FillBins{t, p, w.weight}, blocks_for(p.count), stream);
-  launch(JoinBins{t}, slots, stream);
-  launch(SumClusters{t}, slots, stream);
-  launch(FindHeaviest{t, best, false}, slots, stream);
-  launch(FindHeaviest{t, best, true}, slots, stream);
+  launch(FillBins{t, p, w.weight, best}, blocks, stream);
+  launch(JoinBins{t}, blocks, stream);
+  launch(SumClusters{t}, blocks, stream);
+  launch(FindHeaviest{t, best, false}, blocks, stream);
+  launch(FindHeaviest{t, best, true}, blocks, stream);
   launch(TakeHeaviest{t, best, state}, 1, stream);
   const Members members{p, w.weight, t, state};
   const double* mean = block_sum<kMeanSums>(p.count, MeanTerm{members}, scratch.sums.data(), stream);
@@ -135,6 +147,8 @@ void estimate(const Particles& p, const Weights& w, const BinTable& t, StepState
   const double* cov =
       block_sum<kCovarianceSums>(p.count, CovarianceTerm{members}, scratch.sums.data(), stream);
   launch(Finish{t, cov, state, true}, 1, stream);
+  launch(ClearBins{t}, blocks, stream);
+  launch(ClearList{t}, 1, stream);
 }
 
 }  // namespace parloc::PARLOC_CUDA_NAMESPACE

@@ -23,6 +23,9 @@ void estimate(const Particles& particles, const Weights& weights, const BinTable
               Scratch& scratch, Stream stream);
 void resample(const ResampleArgs& args, Scratch& scratch, Stream stream);
 
+/// Makes a new table empty; estimate() leaves it so.
+void clear_all_bins(const BinTable& bins, Stream stream);
+
 /// out[i] = in[0] + ... + in[i]; in == out is allowed.
 void inclusive_scan(const std::uint64_t* in, std::uint64_t* out, std::size_t count, Scratch& scratch,
                     Stream stream);

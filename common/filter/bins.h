@@ -17,12 +17,16 @@ constexpr std::int32_t kHeadingBins = 36;
 constexpr float kBinSize_m = 0.5f;
 
 /// Open addressing; `capacity` is a power of two above twice the number of particles, so it never fills.
+/// Empty slots have kNoBin, no weight and themselves as parent; a step leaves the table empty by clearing
+/// what it used.
 struct BinTable {
   std::uint64_t* key = nullptr;             ///< [capacity] kNoBin where empty
   std::uint64_t* weight = nullptr;          ///< [capacity] of the bin
   std::uint64_t* cluster_weight = nullptr;  ///< [capacity] of the cluster, at its root
   std::uint32_t* parent = nullptr;   ///< [capacity] union-find; the root has the smallest key of its cluster
   std::uint32_t* slot_of = nullptr;  ///< [N] where a particle's bin is
+  std::uint32_t* used = nullptr;     ///< [N] slots in use, in any order ...
+  std::uint64_t* used_count = nullptr;  ///< [1] ... and how many
   std::uint32_t capacity = 0;
 };
 
@@ -48,11 +52,21 @@ PARLOC_HD std::uint32_t bin_hash(std::uint64_t key, std::uint32_t capacity) {
   return static_cast<std::uint32_t>(h) & (capacity - 1);
 }
 
+PARLOC_HD void bin_clear(const BinTable& t, std::uint32_t slot) {
+  t.key[slot] = kNoBin;
+  t.weight[slot] = 0;
+  t.cluster_weight[slot] = 0;
+  t.parent[slot] = slot;
+}
+
 /// Finds or makes the bin of `key`, adds `weight`; returns its slot.
 PARLOC_HD std::uint32_t bin_insert(const BinTable& t, std::uint64_t key, std::uint64_t weight) {
   for (std::uint32_t slot = bin_hash(key, t.capacity);; slot = (slot + 1) & (t.capacity - 1)) {
     std::uint64_t found = atomic_read(&t.key[slot]);
-    if (found == kNoBin) found = atomic_swap_if(&t.key[slot], kNoBin, key);
+    if (found == kNoBin) {
+      found = atomic_swap_if(&t.key[slot], kNoBin, key);
+      if (found == kNoBin) t.used[atomic_add(t.used_count, 1)] = slot;
+    }
     if (found == kNoBin || found == key) {
       atomic_add(&t.weight[slot], weight);
       return slot;
@@ -91,7 +105,6 @@ PARLOC_HD void bin_join(const BinTable& t, std::uint32_t a, std::uint32_t b) {
 /// Joins the bin in `slot` with those of its neighbours that have a larger key (each pair is met once).
 PARLOC_HD void bin_join_neighbours(const BinTable& t, std::uint32_t slot) {
   const std::uint64_t key = t.key[slot];
-  if (key == kNoBin) return;
   const std::int32_t bx = static_cast<std::int32_t>((key >> 30) & 0xffffffu) - (1 << 23);
   const std::int32_t by = static_cast<std::int32_t>((key >> 6) & 0xffffffu) - (1 << 23);
   const std::int32_t bt = static_cast<std::int32_t>(key & 63u);

@@ -9,14 +9,14 @@
 
 #include <cstdint>
 
+#include "common/map/skip_field.h"
 #include "common/math/host_device.h"
 #include "common/math/portable.h"
 
 namespace parloc {
 
-/// What a ray needs of a map. `skip` points at cell (0, 0) of a padded array: Chebyshev distance in cells to
-/// the nearest blocking cell or to the ring around the grid, at most 255; 0 on blocking cells and on the
-/// ring.
+/// What a ray needs of a map. `skip` points at cell (0, 0) of the first plane of a skip field
+/// (common/map/skip_field.h): how far to leap; 0 on blocking cells and on the ring around the grid.
 struct RayMap {
   const std::uint8_t* skip = nullptr;
   std::int32_t width = 0;
@@ -24,6 +24,7 @@ struct RayMap {
   std::int32_t stride = 0;
   float resolution_m = 0.0f;
   float inv_resolution = 0.0f;
+  std::int32_t skip_plane = 0;  ///< Bytes between the planes of two sectors; 0: one plane for all directions.
 
   PARLOC_HD std::int32_t skip_at(std::int32_t i, std::int32_t j) const {
     return skip[static_cast<std::int64_t>(j) * stride + i];
@@ -144,28 +145,39 @@ PARLOC_HD RayHit cast_dda(const RayMap& m, const Ray& r, float reach_cells) {
   return {0, 0, false};
 }
 
-/// The same cells, but leaving the free square around each in one step. Exact: the exit is a grid crossing,
-/// and the other axis' index at that crossing is decided by its own crossings (index_at).
+/// The same cells, leaping as many lines of the ray's main axis as the skip field promises. Exact: a leap
+/// ends at a grid crossing, and the other axis' index at that crossing is decided by its own crossings
+/// (index_at). A leap of one line may cross into the next row first: that is a step of its own, for its cell
+/// may block.
 PARLOC_HD RayHit cast_skip(const RayMap& m, const Ray& r, float reach_cells) {
   const RayStart s = start_cell(m, r, reach_cells);
   if (!s.inside) return {0, 0, false};
-  std::int32_t i = s.i, j = s.j;
+  const std::int32_t octant = octant_of(r.dx, r.dy);
+  const bool steep = (octant & 4) != 0;
+  const float slope = __builtin_fabsf(steep ? r.dx * r.inv_dy : r.dy * r.inv_dx);
+  const std::uint8_t* plane = m.skip + static_cast<std::int64_t>(sector_of(octant, slope)) * m.skip_plane;
+  const float u = steep ? r.v : r.u, d = steep ? r.dy : r.dx, inv = steep ? r.inv_dy : r.inv_dx;
+  const float other_u = steep ? r.u : r.v, other_d = steep ? r.dx : r.dy,
+              other_inv = steep ? r.inv_dx : r.inv_dy;
+  const std::int64_t stride = steep ? m.stride : 1, other_stride = steep ? 1 : m.stride;
+  const std::int32_t far = d < 0.0f ? 1 : 0;  // from a cell to its near line
+  std::int32_t line = (steep ? s.j : s.i) + far, other = steep ? s.i : s.j;
   for (;;) {
-    const std::int32_t k = m.skip_at(i, j);
-    if (k == 0) return {i, j, m.contains(i, j)};  // a wall, or the ring around the grid
-    const std::int32_t line_x = r.dx < 0.0f ? i + 1 - k : i + k;
-    const std::int32_t line_y = r.dy < 0.0f ? j + 1 - k : j + k;
-    const float tx = (static_cast<float>(line_x) - r.u) * r.inv_dx;
-    const float ty = (static_cast<float>(line_y) - r.v) * r.inv_dy;
-    if (tx < ty) {
-      if (!(tx < reach_cells)) return {0, 0, false};
-      i = r.dx < 0.0f ? line_x - 1 : line_x;
-      j = index_at(r.v, r.dy, r.inv_dy, tx, true);
-    } else {
-      if (!(ty < reach_cells)) return {0, 0, false};
-      i = index_at(r.u, r.dx, r.inv_dx, ty, false);
-      j = r.dy < 0.0f ? line_y - 1 : line_y;
+    const std::int32_t lines = plane[(line - far) * stride + other * other_stride];
+    if (lines == 0) {
+      const std::int32_t i = steep ? other : line - far, j = steep ? line - far : other;
+      return {i, j, m.contains(i, j) && entry_parameter(r, i, j) < reach_cells};
     }
+    const std::int32_t next = d < 0.0f ? line - lines : line + lines;
+    const float t = (static_cast<float>(next) - u) * inv;
+    const std::int32_t other_next = index_at(other_u, other_d, other_inv, t, !steep);
+    if (lines == 1 && other_next != other) {
+      other += other_d < 0.0f ? -1 : 1;
+      continue;
+    }
+    if (!(t < reach_cells)) return {0, 0, false};
+    line = next;
+    other = other_next;
   }
 }
 
@@ -173,15 +185,18 @@ PARLOC_HD RayHit cast_skip(const RayMap& m, const Ray& r, float reach_cells) {
 /// range_max_m. Approximate: up to a step too long, and chords shorter than a step are missed.
 PARLOC_HD float cast_fixed_step(const RayMap& m, const Ray& r, float reach_cells, float step_cells,
                                 float range_max_m) {
+  const float w = static_cast<float>(m.width), h = static_cast<float>(m.height);
+  // From inside, steps of at most a cell meet the ring before they are beyond it: one look-up per step is
+  // all.
+  const bool ring_stops = r.u >= 0.0f && r.v >= 0.0f && r.u < w && r.v < h && step_cells <= 1.0f;
   for (std::int32_t k = 0;; ++k) {
     const float t = static_cast<float>(k) * step_cells;
     if (!(t < reach_cells)) return range_max_m;
     const float u = floor_of(fused(t, r.dx, r.u));
     const float v = floor_of(fused(t, r.dy, r.v));
-    const bool inside =
-        u >= 0.0f && v >= 0.0f && u < static_cast<float>(m.width) && v < static_cast<float>(m.height);
-    if (inside && m.skip_at(static_cast<std::int32_t>(u), static_cast<std::int32_t>(v)) == 0)
-      return min_of(t * m.resolution_m, range_max_m);
+    if (!ring_stops && !(u >= 0.0f && v >= 0.0f && u < w && v < h)) continue;
+    const std::int32_t i = static_cast<std::int32_t>(u), j = static_cast<std::int32_t>(v);
+    if (m.skip_at(i, j) == 0) return m.contains(i, j) ? min_of(t * m.resolution_m, range_max_m) : range_max_m;
   }
 }
 

@@ -1,22 +1,53 @@
-// How far a ray may jump from a cell: the distance field that the skipping caster reads
-// (common/map/ray_cast.h).
+// How far a ray may leap from a cell: the table that the skipping casters read (common/map/ray_cast.h).
+//
+// Along its main axis, that of the larger component of its direction, a ray crosses one grid line after the
+// other. The table says how many of these lines any ray that starts anywhere in the cell crosses before it
+// can meet a blocking cell. It may know one number for all directions, or one for each of 32 sectors of them:
+// in a corridor the latter leaps along, where the former sees walls on both sides.
 #pragma once
 
 #include <cstddef>
 #include <cstdint>
 #include <vector>
 
+#include "common/math/host_device.h"
+
 namespace parloc {
+
+/// Sectors: 8 octants, by the signs of dx and dy and by which is the larger, each of them cut into kSlopes
+/// equal intervals of the slope.
+inline constexpr std::int32_t kSlopes = 4;
+inline constexpr std::int32_t kSectors = 8 * kSlopes;
 
 /// Bytes after the last cell of a skip field, so that a 32-bit load at any cell stays inside the array.
 inline constexpr std::size_t kSkipFieldTail = 4;
 
-/// Chebyshev distance in cells from every cell to the nearest blocking cell or to the outside of the grid (a
-/// cell on the border is 1 from outside), capped at 255; 0 on blocking cells. blocks: width * height,
-/// row-major, nonzero blocks; width and height 1 to kMaxMapSide (map_limits.h), else Error{internal}. Returns
-/// (width + 2) * (height + 2) + kSkipFieldTail bytes: the grid with a ring of zeros around it, row-major,
-/// stride width + 2, cell (i, j) at (j + 1) * (width + 2) + (i + 1); then the tail, zeros. Exact, serial,
-/// linear time (two-pass chamfer, Rosenfeld and Pfaltz 1968).
-std::vector<std::uint8_t> skip_field(const std::uint8_t* blocks, std::int32_t width, std::int32_t height);
+/// Octant of a direction: bit 0 to the left, bit 1 downwards, bit 2 steep (|dy| > |dx|).
+PARLOC_HD std::int32_t octant_of(float dx, float dy) {
+  const bool steep = __builtin_fabsf(dy) > __builtin_fabsf(dx);
+  return (dx < 0.0f ? 1 : 0) + (dy < 0.0f ? 2 : 0) + (steep ? 4 : 0);
+}
+
+/// Sector of a direction that is not zero. `slope`: smaller component over the larger, absolute; a slope on
+/// the edge of two sectors may be in either, the table is right for both.
+PARLOC_HD std::int32_t sector_of(std::int32_t octant, float slope) {
+  const std::int32_t part = static_cast<std::int32_t>(slope * static_cast<float>(kSlopes));
+  return octant * kSlopes + (part < kSlopes ? part : kSlopes - 1);
+}
+
+struct SkipField {
+  /// Planes of (width + 2) x (height + 2) bytes: the grid with a ring of zeros around it, row-major, cell (i,
+  /// j) at (j + 1) * (width + 2) + (i + 1); then the tail. 0 on blocking cells and the ring. Elsewhere the
+  /// number of lines, 1 to 255; 1 promises nothing beyond the cell itself.
+  std::vector<std::uint8_t> lines;
+  std::int32_t plane = 0;  ///< Bytes from a sector's plane to the next; 0 if one plane serves all directions.
+};
+
+/// blocks: width * height, row-major, nonzero blocks; width and height 1 to kMaxMapSide (map_limits.h), else
+/// Error{internal}. By sector if that takes at most `most_bytes`, else one plane for all directions, from the
+/// Chebyshev distance to the nearest blocking cell (two-pass chamfer, Rosenfeld and Pfaltz 1968). Serial,
+/// linear time; the same on every machine.
+SkipField skip_field(const std::uint8_t* blocks, std::int32_t width, std::int32_t height,
+                     std::size_t most_bytes);
 
 }  // namespace parloc

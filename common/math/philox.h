@@ -31,23 +31,34 @@ struct Philox4x32 {
   std::uint32_t w[4];
 };
 
+PARLOC_HD void philox_round(std::uint32_t (&c)[4], std::uint32_t k0, std::uint32_t k1) {
+  const std::uint64_t p0 = std::uint64_t{0xD2511F53u} * c[0];
+  const std::uint64_t p1 = std::uint64_t{0xCD9E8D57u} * c[2];
+  c[0] = static_cast<std::uint32_t>(p1 >> 32) ^ c[1] ^ k0;
+  c[1] = static_cast<std::uint32_t>(p1);
+  c[2] = static_cast<std::uint32_t>(p0 >> 32) ^ c[3] ^ k1;
+  c[3] = static_cast<std::uint32_t>(p0);
+}
+
 /// Ten rounds on counter (c0, c1, c2, c3) = (slot, step, stream, block) with key (seed low word, seed high
 /// word).
 PARLOC_HD Philox4x32 philox(std::uint32_t c0, std::uint32_t c1, std::uint32_t c2, std::uint32_t c3,
                             std::uint64_t seed) {
-  std::uint32_t k0 = static_cast<std::uint32_t>(seed);
-  std::uint32_t k1 = static_cast<std::uint32_t>(seed >> 32);
-  for (int round = 0; round < 10; ++round) {
-    const std::uint64_t p0 = std::uint64_t{0xD2511F53u} * c0;
-    const std::uint64_t p1 = std::uint64_t{0xCD9E8D57u} * c2;
-    c0 = static_cast<std::uint32_t>(p1 >> 32) ^ c1 ^ k0;
-    c1 = static_cast<std::uint32_t>(p1);
-    c2 = static_cast<std::uint32_t>(p0 >> 32) ^ c3 ^ k1;
-    c3 = static_cast<std::uint32_t>(p0);
-    k0 += 0x9E3779B9u;
-    k1 += 0xBB67AE85u;
-  }
-  return {{c0, c1, c2, c3}};
+  constexpr std::uint32_t kStep0 = 0x9E3779B9u, kStep1 = 0xBB67AE85u;
+  const std::uint32_t k0 = static_cast<std::uint32_t>(seed);
+  const std::uint32_t k1 = static_cast<std::uint32_t>(seed >> 32);
+  std::uint32_t c[4] = {c0, c1, c2, c3};
+  philox_round(c, k0, k1);  // written out: a loop in here would keep the caller's from being vectorised
+  philox_round(c, k0 + kStep0, k1 + kStep1);
+  philox_round(c, k0 + 2 * kStep0, k1 + 2 * kStep1);
+  philox_round(c, k0 + 3 * kStep0, k1 + 3 * kStep1);
+  philox_round(c, k0 + 4 * kStep0, k1 + 4 * kStep1);
+  philox_round(c, k0 + 5 * kStep0, k1 + 5 * kStep1);
+  philox_round(c, k0 + 6 * kStep0, k1 + 6 * kStep1);
+  philox_round(c, k0 + 7 * kStep0, k1 + 7 * kStep1);
+  philox_round(c, k0 + 8 * kStep0, k1 + 8 * kStep1);
+  philox_round(c, k0 + 9 * kStep0, k1 + 9 * kStep1);
+  return {{c[0], c[1], c[2], c[3]}};
 }
 
 PARLOC_HD Philox4x32 philox(std::uint32_t slot, std::uint32_t step, Stream stream, std::uint32_t block,
@@ -79,14 +90,16 @@ PARLOC_HD std::uint64_t word64(const Philox4x32& r) {
 struct Normals {
   float n[4];
 };
+PARLOC_HD void box_muller(std::uint32_t radius_word, std::uint32_t angle_word, float& first, float& second) {
+  const float radius = portable_sqrt(-2.0f * portable_log(uniform_positive(radius_word)));
+  const SinCos a = portable_sincos(6.28318548f * uniform_unit(angle_word));
+  first = radius * a.cos;
+  second = radius * a.sin;
+}
 PARLOC_HD Normals normals(const Philox4x32& r) {
   Normals out;
-  for (int pair = 0; pair < 2; ++pair) {
-    const float radius = portable_sqrt(-2.0f * portable_log(uniform_positive(r.w[2 * pair])));
-    const SinCos a = portable_sincos(6.28318548f * uniform_unit(r.w[2 * pair + 1]));
-    out.n[2 * pair] = radius * a.cos;
-    out.n[2 * pair + 1] = radius * a.sin;
-  }
+  box_muller(r.w[0], r.w[1], out.n[0], out.n[1]);
+  box_muller(r.w[2], r.w[3], out.n[2], out.n[3]);
   return out;
 }
 

@@ -18,6 +18,9 @@ struct GaussianBeam {
     return minus_half_inv_variance * (d * d);
   }
   PARLOC_HD float miss(float measured_m, float expected_m) const { return hit(measured_m, 0.0f, expected_m); }
+  /// Upper bounds of hit and miss over all expected ranges.
+  PARLOC_HD float most_of_hit(float, float) const { return 0.0f; }
+  PARLOC_HD float most_of_miss() const { return 0.0f; }
 };
 
 /// The censored beam mixture: a measured hit is a density for every particle, a measured miss a probability
@@ -44,6 +47,12 @@ struct CensoredBeam {
     const float tail = 0.5f * portable_erfc((range_max_m - expected_m) * inv_sigma * 0.707106781f);
     return portable_log(fused(z_hit, expected_m < range_max_m ? tail : 1.0f, z_max));
   }
+  /// Upper bounds of hit and miss over all expected ranges, with room for the rounding of exp and log.
+  PARLOC_HD float most_of_hit(float measured_m, float short_density) const {
+    const float short_mass = 1.0f - portable_exp(-lambda * max_of(measured_m, 1e-3f));
+    return portable_log(hit_peak + rand_density + short_density / short_mass) + 1e-4f;
+  }
+  PARLOC_HD float most_of_miss() const { return portable_log(z_hit + z_max) + 1e-4f; }
 };
 
 inline GaussianBeam bind_gaussian(const SensorConfig& c) {

@@ -69,7 +69,7 @@ void distance_field(benchmark::State& state, Mask (*map)()) {
 
 void skip_field(benchmark::State& state, Mask (*map)()) {
   const Mask mask = map();
-  for (auto _ : state) benchmark::DoNotOptimize(parloc::skip_field(mask.data(), kWidth, kHeight));
+  for (auto _ : state) benchmark::DoNotOptimize(parloc::skip_field(mask.data(), kWidth, kHeight, 0));
   report_memory(state);
 }
 

@@ -138,8 +138,8 @@ void predict(benchmark::State& state, const Case& c) {
 void ray_trace(benchmark::State& state, const Case& c) {
   Rig rig(c);
   const GridMap& map = hall().map;
-  const std::vector<std::uint8_t> skip =
-      skip_field(blocking_cells(map, c.sensor.unknown_blocks).data(), map.width, map.height);
+  const SkipField skip = skip_field(blocking_cells(map, c.sensor.unknown_blocks).data(), map.width,
+                                    map.height, std::size_t{64} << 20);
   ParticleSet& set = rig.weighed;
   std::vector<float> expected_m(set.x.size() * rig.beams.count);
   const BeamTable& t = rig.beams;
@@ -148,7 +148,7 @@ void ray_trace(benchmark::State& state, const Case& c) {
                     t.range_max_m,        t.sensor_x,           t.sensor_y};
   RayTraceArgs args =
       bind_rays({set.x.data(), set.y.data(), set.theta.data(), set.log_weight.data(), set.x.size()},
-                bind_ray_map(skip.data(), map), beams, c.sensor);
+                bind_ray_map(skip.lines.data(), skip.plane, map), beams, c.sensor);
   args.expected_m = expected_m.data();
   cpu::Workers workers;
   workers.threads = c.threads;

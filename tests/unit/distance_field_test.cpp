@@ -1,4 +1,4 @@
-// The exact distance field (SPEC 7.1) and the skip field, against brute force.
+// The exact distance field (SPEC 7.1), against brute force.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -10,7 +10,6 @@
 #include "common/error.h"
 #include "common/map/distance_field.h"
 #include "common/map/grid_map.h"
-#include "common/map/skip_field.h"
 #include "cpu/distance_field.h"
 #include "cuda/distance_field.h"  // its kernels, run on the host
 
@@ -152,49 +151,6 @@ TEST(DistanceField, SizesThatNoMapHasAreRefused) {
   EXPECT_THROW(cpu::squared_distance_field(mask.data(), 0, 4, 1), Error);
   EXPECT_THROW(cpu::squared_distance_field(mask.data(), 4, 40000, 1), Error);
   EXPECT_THROW(cpu::squared_distance_field(mask.data(), 2, 2, 0), Error);
-  EXPECT_THROW(skip_field(mask.data(), 4, 0), Error);
-  EXPECT_THROW(skip_field(mask.data(), 32768, 1), Error);
-}
-
-// ---- skip field ---------------------------------------------------------------------------------
-
-/// The padded array, by definition: the nearest blocking cell in the square norm, or the ring, at most 255.
-Mask brute_force_skip(const Map& map) {
-  const std::int32_t stride = map.width + 2;
-  Mask field(static_cast<std::size_t>(stride * (map.height + 2)) + kSkipFieldTail, 0);
-  for (std::int32_t j = 0; j < map.height; ++j) {
-    for (std::int32_t i = 0; i < map.width; ++i) {
-      std::int32_t least = std::min({i + 1, j + 1, map.width - i, map.height - j, 255});
-      for (std::int32_t b = 0; b < map.height; ++b) {
-        for (std::int32_t a = 0; a < map.width; ++a) {
-          if (map.at(a, b) != 0) least = std::min(least, std::max(std::abs(a - i), std::abs(b - j)));
-        }
-      }
-      field[static_cast<std::size_t>((j + 1) * stride + i + 1)] = static_cast<std::uint8_t>(least);
-    }
-  }
-  return field;
-}
-
-TEST(SkipField, EqualsBruteForceWithItsRingAndTail) {
-  for (const Map& map : random_maps()) {
-    EXPECT_EQ(skip_field(map.mask.data(), map.width, map.height), brute_force_skip(map))
-        << map.width << " x " << map.height;
-  }
-}
-
-TEST(SkipField, IsCappedAt255) {
-  const std::int32_t side = 601;  // its centre is 301 from outside
-  const Mask empty(static_cast<std::size_t>(side * side), 0);
-  const Mask field = skip_field(empty.data(), side, side);
-  const auto at = [&](std::int32_t i, std::int32_t j) {
-    return static_cast<int>(field[static_cast<std::size_t>((j + 1) * (side + 2) + i + 1)]);
-  };
-  EXPECT_EQ(at(300, 300), 255);
-  EXPECT_EQ(at(254, 300), 255);
-  EXPECT_EQ(at(253, 300), 254);
-  EXPECT_EQ(at(300, side - 1), 1);
-  EXPECT_EQ(*std::max_element(field.begin(), field.end()), 255);
 }
 
 }  // namespace

@@ -1,11 +1,12 @@
-// Every exact caster finds the same cell: skipping against cell by cell, one ray at a time and as the CPU
-// backend casts them, many at once.
+// The skip field promises nothing false, and every exact caster finds the same cell: skipping against cell by
+// cell, one ray at a time and as the CPU backend casts them, many at once.
 #include "common/map/ray_cast.h"
 
 #include <gtest/gtest.h>
 
 #include <random>
 
+#include "common/error.h"
 #include "common/filter/backend.h"
 #include "common/map/blocking_cells.h"
 #include "common/map/skip_field.h"
@@ -26,12 +27,106 @@ GridMap pillars(std::uint32_t seed) {
 }
 
 struct Field {
-  explicit Field(const GridMap& grid)
-      : skip(skip_field(blocking_cells(grid, true).data(), grid.width, grid.height)),
-        map{skip.data() + grid.width + 3, grid.width, grid.height, grid.width + 2, 0.25f, 4.0f} {}
-  std::vector<std::uint8_t> skip;
+  Field(const GridMap& grid, bool by_sector)
+      : skip(skip_field(blocking_cells(grid, true).data(), grid.width, grid.height, by_sector ? 1 << 20 : 0)),
+        map{skip.lines.data() + grid.width + 3,
+            grid.width,
+            grid.height,
+            grid.width + 2,
+            0.25f,
+            4.0f,
+            skip.plane} {}
+  SkipField skip;
   RayMap map;
 };
+
+// ---- the table ----------------------------------------------------------------------------------
+
+/// The cells that a ray leaves before it has crossed `lines` lines of its main axis, one by one.
+bool free_for(const RayMap& map, const Ray& ray, std::int32_t i, std::int32_t j, std::int32_t lines) {
+  const bool steep = (octant_of(ray.dx, ray.dy) & 4) != 0;
+  for (std::int32_t crossed = 0; crossed < lines;) {
+    if (!map.contains(i, j) || map.skip_at(i, j) == 0) return false;
+    const float tx = (static_cast<float>(i + (ray.dx < 0.0f ? 0 : 1)) - ray.u) * ray.inv_dx;
+    const float ty = (static_cast<float>(j + (ray.dy < 0.0f ? 0 : 1)) - ray.v) * ray.inv_dy;
+    const bool step_x = tx < ty;
+    if (step_x)
+      i += ray.dx < 0.0f ? -1 : 1;
+    else
+      j += ray.dy < 0.0f ? -1 : 1;
+    crossed += step_x != steep ? 1 : 0;
+  }
+  return true;
+}
+
+TEST(SkipField, KeepsItsPromiseInEverySector) {
+  std::mt19937 random(5);
+  const GridMap grid = pillars(3);
+  for (const bool by_sector : {true, false}) {
+    const Field field(grid, by_sector);
+    double promised = 0.0;
+    for (int k = 0; k < 300'000; ++k) {
+      const std::int32_t i = static_cast<std::int32_t>(random() % 53),
+                         j = static_cast<std::int32_t>(random() % 37);
+      if (field.map.skip_at(i, j) == 0) continue;
+      const auto fraction = [&] {
+        return random() % 5 == 0 ? 0.0f : static_cast<float>(random() % 4096) / 4096.0f;
+      };
+      const SinCos d = portable_sincos(static_cast<float>(random() % 6284) * 1e-3f);
+      const Ray ray =
+          make_ray(static_cast<float>(i) + fraction(), static_cast<float>(j) + fraction(), d.cos, d.sin);
+      const std::int32_t octant = octant_of(ray.dx, ray.dy);
+      const float slope = __builtin_fabsf((octant & 4) != 0 ? ray.dx / ray.dy : ray.dy / ray.dx);
+      const std::uint8_t* plane = field.map.skip + sector_of(octant, slope) * field.map.skip_plane;
+      const std::int32_t lines = plane[j * field.map.stride + i];
+      ASSERT_GE(lines, 1);
+      promised += lines;
+      if (lines > 1) {
+        ASSERT_TRUE(free_for(field.map, ray, i, j, lines)) << ray.u << " " << ray.v << " " << lines;
+      }
+    }
+    EXPECT_GT(promised / 300'000, by_sector ? 5.0 : 1.2);  // it promises something
+  }
+}
+
+TEST(SkipField, IsZeroOnWallsTheRingAndTheTail) {
+  const GridMap grid = pillars(4);
+  for (const bool by_sector : {true, false}) {
+    const Field field(grid, by_sector);
+    const std::size_t planes = by_sector ? kSectors : 1, plane = 55 * 39;
+    ASSERT_EQ(field.skip.lines.size(), planes * plane + kSkipFieldTail);
+    for (std::size_t p = 0; p < planes; ++p) {
+      for (std::int32_t j = -1; j <= grid.height; ++j) {
+        for (std::int32_t i = -1; i <= grid.width; ++i) {
+          const bool inside = i >= 0 && j >= 0 && i < grid.width && j < grid.height;
+          const bool blocks = !inside || grid.at(i, j) != Cell::free;
+          ASSERT_EQ(field.map.skip[p * plane + static_cast<std::size_t>((j + 1) * 55 + i + 1) - 56] == 0,
+                    blocks)
+              << i << " " << j;
+        }
+      }
+    }
+  }
+}
+
+TEST(SkipField, CountsUpTo255Lines) {
+  const std::int32_t side = 601;
+  const std::vector<std::uint8_t> empty(static_cast<std::size_t>(side * side), 0);
+  const SkipField all = skip_field(empty.data(), side, side, 0),
+                  each = skip_field(empty.data(), side, side, 64 << 20);
+  const std::size_t centre = 301 * 603 + 301;
+  EXPECT_EQ(all.lines[centre], 253);            // two less than a distance that is capped at 255
+  EXPECT_EQ(each.lines[centre], 255);           // sector 0: to the right
+  EXPECT_EQ(each.lines[301 * 603 + 501], 101);  // column 500: 101 lines to the ring
+}
+
+TEST(SkipField, SizesThatNoMapHasAreRefused) {
+  const std::vector<std::uint8_t> mask(4, 0);
+  EXPECT_THROW(skip_field(mask.data(), 4, 0, 0), Error);
+  EXPECT_THROW(skip_field(mask.data(), 32768, 1, 0), Error);
+}
+
+// ---- the casters --------------------------------------------------------------------------------
 
 /// Anywhere, on cells' edges and corners, and outside of the grid; any direction, and those along an axis or
 /// a diagonal.
@@ -50,23 +145,28 @@ Ray random_ray(std::mt19937& random, const RayMap& map) {
   return make_ray(u, v, direction.cos, direction.sin);
 }
 
+void expect_same_hit(const RayMap& map, const Ray& ray, float reach_cells, int& hits) {
+  const RayHit a = cast_dda(map, ray, reach_cells), b = cast_skip(map, ray, reach_cells);
+  ASSERT_EQ(a.hit, b.hit) << ray.u << " " << ray.v << " " << ray.dx << " " << ray.dy;
+  hits += a.hit ? 1 : 0;
+  if (a.hit) {
+    ASSERT_TRUE(a.i == b.i && a.j == b.j) << ray.u << " " << ray.v << " " << ray.dx << " " << ray.dy;
+  }
+}
+
 TEST(RayCast, SkippingHitsTheCellThatCellByCellHits) {
   std::mt19937 random(11);
-  int hits = 0;
-  for (std::uint32_t seed = 1; seed <= 5; ++seed) {
-    const Field field(pillars(seed));
-    for (int k = 0; k < 100'000; ++k) {
-      const Ray ray = random_ray(random, field.map);
-      const float reach_cells = k % 2 == 0 ? 200.0f : 12.3f;
-      const RayHit a = cast_dda(field.map, ray, reach_cells), b = cast_skip(field.map, ray, reach_cells);
-      ASSERT_EQ(a.hit, b.hit) << ray.u << " " << ray.v << " " << ray.dx << " " << ray.dy;
-      hits += a.hit ? 1 : 0;
-      if (!a.hit) continue;
-      ASSERT_TRUE(a.i == b.i && a.j == b.j) << ray.u << " " << ray.v << " " << ray.dx << " " << ray.dy;
+  for (const bool by_sector : {true, false}) {
+    int hits = 0;
+    for (std::uint32_t seed = 1; seed <= 5; ++seed) {
+      const Field field(pillars(seed), by_sector);
+      ASSERT_EQ(field.map.skip_plane > 0, by_sector);
+      for (int k = 0; k < 100'000 && !HasFatalFailure(); ++k)
+        expect_same_hit(field.map, random_ray(random, field.map), k % 2 == 0 ? 200.0f : 12.3f, hits);
     }
+    EXPECT_GT(hits, 100'000);  // both outcomes were seen often
+    EXPECT_LT(hits, 400'000);
   }
-  EXPECT_GT(hits, 100'000);  // both outcomes were seen often
-  EXPECT_LT(hits, 400'000);
 }
 
 TEST(RayCast, ManyAtOnceGiveTheRangesOfOneByOne) {
