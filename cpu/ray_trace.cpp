@@ -26,6 +26,10 @@ void skip_first(const RayTraceArgs& a, const RayOrigin& o, std::size_t first, st
   for (std::size_t m = first; m < last; ++m) expected_m[m] = trace_beam(a, o, m);
 }
 void skip_rest(const RayTraceArgs&, const RayOrigin&, float*, Travellers&) {}
+void march(const RayTraceArgs& a, const RayOrigin& o, std::size_t first, std::size_t last,
+           float* expected_m) {
+  for (std::size_t m = first; m < last; ++m) expected_m[m] = trace_beam(a, o, m);
+}
 #else
 
 using F = hn::ScalableTag<float>;
@@ -290,6 +294,48 @@ void skip_first(const RayTraceArgs& a, const RayOrigin& o, std::size_t first, st
 void skip_rest(const RayTraceArgs& a, const RayOrigin& o, float* expected_m, Travellers& on) {
   Tracer(a, o, expected_m, on).rest();
 }
+/// One ray of cast_fixed_step from inside the grid, a vector of points at a time.
+HWY_INLINE float march_ray(const RayMap& map, const Ray& ray, float reach_cells, float step_cells,
+                           float range_max_m) {
+  const auto* corner = reinterpret_cast<const std::int32_t*>(map.skip - map.stride - 1);
+  const VF dx = hn::Set(f32, ray.dx), dy = hn::Set(f32, ray.dy), zero = hn::Zero(f32);
+  const VF u = hn::Set(f32, ray.u + 1.0f), v = hn::Set(f32, ray.v + 1.0f);
+  const VF right = hn::Set(f32, static_cast<float>(map.width + 1)),
+           top = hn::Set(f32, static_cast<float>(map.height + 1));
+  const VF lane = hn::ConvertTo(f32, hn::Iota(i32, 0));
+  const VI stride = hn::Set(i32, map.stride), whole = hn::Set(i32, kWholeBits);
+  for (float from = 0.0f;; from += static_cast<float>(hn::Lanes(f32))) {
+    const VF t = hn::Mul(hn::Add(hn::Set(f32, from), lane), hn::Set(f32, step_cells));
+    // Points beyond the grid, behind the one that leaves it, are moved to the ring: they must not be read.
+    const VF x = hn::Min(hn::Max(hn::Floor(hn::MulAdd(t, dx, u)), zero), right);
+    const VF y = hn::Min(hn::Max(hn::Floor(hn::MulAdd(t, dy, v)), zero), top);
+    const VI i = hn::Sub(whole_bits(x), whole), j = hn::Sub(whole_bits(y), whole);
+    const VI lines =
+        hn::And(hn::GatherOffset(i32, corner, hn::Add(hn::Mul(j, stride), i)), hn::Set(i32, 255));
+    const MF within = hn::Lt(t, hn::Set(f32, reach_cells));
+    const MF stop = hn::Or(hn::Not(within), hn::RebindMask(f32, hn::Eq(lines, hn::Zero(i32))));
+    const std::intptr_t at = hn::FindFirstTrue(f32, stop);
+    if (at < 0) continue;
+    const float reached = (from + static_cast<float>(at)) * step_cells;
+    const std::int32_t ci = static_cast<std::int32_t>(fused(reached, ray.dx, ray.u + 1.0f)) - 1;
+    const std::int32_t cj = static_cast<std::int32_t>(fused(reached, ray.dy, ray.v + 1.0f)) - 1;
+    const bool hit = reached < reach_cells && map.contains(ci, cj);
+    return hit ? min_of(reached * map.resolution_m, range_max_m) : range_max_m;
+  }
+}
+
+void march(const RayTraceArgs& a, const RayOrigin& o, std::size_t first, std::size_t last,
+           float* expected_m) {
+  const bool inside = o.u >= 0.0f && o.v >= 0.0f && o.u < static_cast<float>(a.map.width) &&
+                      o.v < static_cast<float>(a.map.height);
+  const float range_max_m = a.beams.range_max_m, reach_cells = range_max_m * a.map.inv_resolution;
+  for (std::size_t m = first; m < last; ++m) {
+    const Ray ray = beam_ray(o.u, o.v, o.c, o.s, a.beams.direction_x[m], a.beams.direction_y[m]);
+    expected_m[m] = inside && a.fixed_step_cells <= 1.0f
+                        ? march_ray(a.map, ray, reach_cells, a.fixed_step_cells, range_max_m)
+                        : trace_beam(a, o, m);
+  }
+}
 #endif
 
 }  // namespace parloc::cpu::HWY_NAMESPACE
@@ -299,11 +345,15 @@ HWY_AFTER_NAMESPACE();
 namespace parloc::cpu {
 HWY_EXPORT(skip_first);
 HWY_EXPORT(skip_rest);
+HWY_EXPORT(march);
 
 void trace_first(const RayTraceArgs& args, const RayOrigin& origin, std::size_t first, std::size_t last,
                  float* expected_m, Travellers& on) {
-  if (args.caster == RayCaster::skip && simd_level() != Simd::baseline)
+  const bool vectors = simd_level() != Simd::baseline;
+  if (args.caster == RayCaster::skip && vectors)
     return HWY_DYNAMIC_DISPATCH(skip_first)(args, origin, first, last, expected_m, on);
+  if (args.caster == RayCaster::fixed_step && vectors)
+    return HWY_DYNAMIC_DISPATCH(march)(args, origin, first, last, expected_m);
   run_simd([&]() PARLOC_SIMD_LOOP {
     for (std::size_t m = first; m < last; ++m) expected_m[m] = trace_beam(args, origin, m);
   });

@@ -181,22 +181,39 @@ PARLOC_HD RayHit cast_skip(const RayMap& m, const Ray& r, float reach_cells) {
   }
 }
 
+/// cast_fixed_step for rays that start outside or take long steps: every point is tested against the grid.
+PARLOC_HD float cast_fixed_step_anywhere(const RayMap& m, const Ray& r, float reach_cells, float step_cells,
+                                         float range_max_m) {
+  const float w = static_cast<float>(m.width), h = static_cast<float>(m.height);
+  for (float k = 0.0f;; k += 1.0f) {
+    const float t = k * step_cells;
+    if (!(t < reach_cells)) return range_max_m;
+    const float u = floor_of(fused(t, r.dx, r.u)), v = floor_of(fused(t, r.dy, r.v));
+    const bool inside = u >= 0.0f && v >= 0.0f && u < w && v < h;
+    if (inside && m.skip_at(static_cast<std::int32_t>(u), static_cast<std::int32_t>(v)) == 0)
+      return min_of(t * m.resolution_m, range_max_m);
+  }
+}
+
 /// The fixed step of Paz et al. 2012 (algorithm 1), points by multiplication; returns metres, at most
 /// range_max_m. Approximate: up to a step too long, and chords shorter than a step are missed.
 PARLOC_HD float cast_fixed_step(const RayMap& m, const Ray& r, float reach_cells, float step_cells,
                                 float range_max_m) {
-  const float w = static_cast<float>(m.width), h = static_cast<float>(m.height);
-  // From inside, steps of at most a cell meet the ring before they are beyond it: one look-up per step is
-  // all.
-  const bool ring_stops = r.u >= 0.0f && r.v >= 0.0f && r.u < w && r.v < h && step_cells <= 1.0f;
-  for (std::int32_t k = 0;; ++k) {
-    const float t = static_cast<float>(k) * step_cells;
+  const bool inside =
+      r.u >= 0.0f && r.v >= 0.0f && r.u < static_cast<float>(m.width) && r.v < static_cast<float>(m.height);
+  if (!inside || step_cells > 1.0f)
+    return cast_fixed_step_anywhere(m, r, reach_cells, step_cells, range_max_m);
+  // Steps of at most a cell meet the ring before they are beyond it, so one look-up per step is all.
+  // Coordinates from the ring's corner are never negative, so truncation is floor.
+  const std::uint8_t* corner = m.skip - m.stride - 1;
+  const float u = r.u + 1.0f, v = r.v + 1.0f;
+  for (float k = 0.0f;; k += 1.0f) {
+    const float t = k * step_cells;
     if (!(t < reach_cells)) return range_max_m;
-    const float u = floor_of(fused(t, r.dx, r.u));
-    const float v = floor_of(fused(t, r.dy, r.v));
-    if (!ring_stops && !(u >= 0.0f && v >= 0.0f && u < w && v < h)) continue;
-    const std::int32_t i = static_cast<std::int32_t>(u), j = static_cast<std::int32_t>(v);
-    if (m.skip_at(i, j) == 0) return m.contains(i, j) ? min_of(t * m.resolution_m, range_max_m) : range_max_m;
+    const std::int32_t i = static_cast<std::int32_t>(fused(t, r.dx, u));
+    const std::int32_t j = static_cast<std::int32_t>(fused(t, r.dy, v));
+    if (corner[static_cast<std::int64_t>(j) * m.stride + i] == 0)
+      return m.contains(i - 1, j - 1) ? min_of(t * m.resolution_m, range_max_m) : range_max_m;
   }
 }
 
