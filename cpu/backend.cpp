@@ -17,11 +17,9 @@
 namespace parloc {
 namespace {
 
-/// Poses and log-weights in one space.
-struct ParticleBuffer {
-  std::vector<float> x, y, theta, log_weight;
-  explicit ParticleBuffer(std::size_t n) : x(n), y(n), theta(n), log_weight(n) {}
-  Particles view() { return {x.data(), y.data(), theta.data(), log_weight.data(), x.size()}; }
+struct Poses {
+  std::vector<float> x, y, theta;
+  explicit Poses(std::size_t n) : x(n), y(n), theta(n) {}
 };
 
 /// Skip fields by sector are worth their memory while they are near the caches' size.
@@ -33,13 +31,13 @@ class CpuBackend final : public Backend {
       : config_(config),
         now_(static_cast<std::size_t>(config.particles)),
         other_(static_cast<std::size_t>(config.particles)),
+        log_weight_(now_.x.size()),
         weight_(now_.x.size(), 1),
         cumulative_(now_.x.size()),
         ancestor_(now_.x.size()),
         bin_capacity_(std::bit_ceil(static_cast<std::uint32_t>(2 * config.particles))),
         bin_key_(bin_capacity_),
         bin_weight_(bin_capacity_),
-        cluster_weight_(bin_capacity_),
         bin_parent_(bin_capacity_),
         bin_slot_(now_.x.size()),
         bin_used_(now_.x.size()) {
@@ -80,12 +78,12 @@ class CpuBackend final : public Backend {
     now_.x = p.x;
     now_.y = p.y;
     now_.theta = p.theta;
-    now_.log_weight = p.log_weight;
+    log_weight_ = p.log_weight;
   }
-  ParticleSet download() const override { return {now_.x, now_.y, now_.theta, now_.log_weight}; }
+  ParticleSet download() const override { return {now_.x, now_.y, now_.theta, log_weight_}; }
 
   void predict(const MotionStep& motion, RandomKey key) override {
-    cpu::predict({now_.view(), motion, key}, workers_);
+    cpu::predict({view(now_), motion, key}, workers_);
   }
   void set_scan(const BeamTable& beams) override { beams_ = beams; }
 
@@ -108,13 +106,13 @@ class CpuBackend final : public Backend {
   }
 
   void normalise_scan() override {
-    cpu::normalise_scan(bind_normalise(now_.view(), weights_view(), config_.resample, &state_), workers_);
+    cpu::normalise_scan(bind_normalise(view(now_), weights_view(), config_.resample, &state_), workers_);
   }
 
-  void estimate() override { cpu::estimate(now_.view(), weights_view(), bins_view(), &state_, workers_); }
+  void estimate() override { cpu::estimate(view(now_), weights_view(), bins_view(), &state_, workers_); }
 
   void resample(RandomKey key) override {
-    cpu::resample({now_.view(), other_.view(), weights_view(), config_.resample.scheme, key, &state_,
+    cpu::resample({view(now_), view(other_), weights_view(), config_.resample.scheme, key, &state_,
                    ancestor_.data(), offspring_sum_.data(), remainder_sum_.data()},
                   workers_);
     std::swap(now_, other_);
@@ -139,13 +137,16 @@ class CpuBackend final : public Backend {
                       beams_.sensor_x,
                       beams_.sensor_y};
     const RayMap map = bind_ray_map(skip_.lines.empty() ? nullptr : skip_.lines.data(), skip_.plane, map_);
-    return bind_rays(now_.view(), map, beams, config_.sensor);
+    return bind_rays(view(now_), map, beams, config_.sensor);
+  }
+  /// Log-weights stay in their slots, so that one array serves both buffers of poses.
+  Particles view(Poses& p) {
+    return {p.x.data(), p.y.data(), p.theta.data(), log_weight_.data(), p.x.size()};
   }
   Weights weights_view() { return {weight_.data(), cumulative_.data(), weight_.size()}; }
   BinTable bins_view() {
-    return {bin_key_.data(),    bin_weight_.data(), cluster_weight_.data(),
-            bin_parent_.data(), bin_slot_.data(),   bin_used_.data(),
-            &bins_used_,        bin_capacity_};
+    return {bin_key_.data(),  bin_weight_.data(), bin_parent_.data(), bin_slot_.data(),
+            bin_used_.data(), &bins_used_,        bin_capacity_};
   }
 
   BackendConfig config_;
@@ -155,11 +156,12 @@ class CpuBackend final : public Backend {
   std::vector<std::uint32_t> squared_distance_;
   std::vector<float> field_;
   BeamTable beams_;
-  ParticleBuffer now_, other_;
+  Poses now_, other_;
+  std::vector<float> log_weight_;
   std::vector<std::uint64_t> weight_, cumulative_;
   std::vector<std::uint32_t> ancestor_;
   std::uint32_t bin_capacity_;
-  std::vector<std::uint64_t> bin_key_, bin_weight_, cluster_weight_;
+  std::vector<std::uint64_t> bin_key_, bin_weight_;
   std::vector<std::uint32_t> bin_parent_, bin_slot_, bin_used_;
   std::uint64_t bins_used_ = 0;
   std::vector<std::uint64_t> offspring_sum_, remainder_sum_;  // residual scheme only

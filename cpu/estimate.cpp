@@ -15,13 +15,13 @@ std::uint32_t heaviest_cluster(const BinTable& t) {
   for (std::size_t k = 0; k < used; ++k) {
     const std::uint32_t slot = t.used[k], root = bin_root(t, slot);
     t.parent[slot] = root;
-    t.cluster_weight[root] += t.weight[slot];
+    if (root != slot) t.weight[root] += t.weight[slot];
   }
   std::uint32_t best = t.parent[t.used[0]];
   for (std::size_t k = 0; k < used; ++k) {
     const std::uint32_t root = t.parent[t.used[k]];
-    const bool heavier = t.cluster_weight[root] > t.cluster_weight[best];
-    const bool equal = t.cluster_weight[root] == t.cluster_weight[best];
+    const bool heavier = t.weight[root] > t.weight[best];
+    const bool equal = t.weight[root] == t.weight[best];
     if (heavier || (equal && t.key[root] < t.key[best])) best = root;
   }
   return best;
@@ -45,7 +45,7 @@ void estimate(const Particles& p, const Weights& weights, const BinTable& bins, 
   state->best_slot = best;
 
   const double total = static_cast<double>(state->total);
-  const double cluster_weight = static_cast<double>(bins.cluster_weight[best]);
+  const double cluster_weight = static_cast<double>(bins.weight[best]);
   const auto in_cluster = [=](std::size_t i)
                               PARLOC_SIMD_LOOP { return bins.parent[bins.slot_of[i]] == best; };
 

@@ -14,13 +14,11 @@ namespace parloc {
 namespace PARLOC_CUDA_NAMESPACE {
 namespace {
 
-struct ParticleBuffer {
-  DeviceBuffer<float> x, y, theta, log_weight;
-  std::size_t count;
-  explicit ParticleBuffer(std::size_t n) : count(n) {
-    for (auto* b : {&x, &y, &theta, &log_weight}) b->reserve(n);
+struct Poses {
+  DeviceBuffer<float> x, y, theta;
+  explicit Poses(std::size_t n) {
+    for (auto* b : {&x, &y, &theta}) b->reserve(n);
   }
-  Particles view() const { return {x.data(), y.data(), theta.data(), log_weight.data(), count}; }
 };
 
 int selected(int device) {
@@ -39,17 +37,18 @@ class CudaBackend final : public Backend {
         b_(count_) {
     stream_ = make_stream();
     scratch_.reserve(count_);
+    log_weight_.reserve(count_);
     weight_.reserve(count_);
     cumulative_.reserve(count_);
     ancestor_.reserve(count_);
     bins_.capacity = static_cast<std::uint32_t>(std::bit_ceil(2 * count_));
-    for (auto* b : {&bin_key_, &bin_weight_, &cluster_weight_}) b->reserve(bins_.capacity);
+    for (auto* b : {&bin_key_, &bin_weight_}) b->reserve(bins_.capacity);
     bin_parent_.reserve(bins_.capacity);
     bin_slot_.reserve(count_);
     bin_used_.reserve(count_);
     bins_used_.reserve(1);
-    bins_ = {bin_key_.data(),  bin_weight_.data(), cluster_weight_.data(), bin_parent_.data(),
-             bin_slot_.data(), bin_used_.data(),   bins_used_.data(),      bins_.capacity};
+    bins_ = {bin_key_.data(),  bin_weight_.data(), bin_parent_.data(), bin_slot_.data(),
+             bin_used_.data(), bins_used_.data(),  bins_.capacity};
     clear_all_bins(bins_, stream_);
     state_.from_host({StepState{}}, stream_);
     if (config.resample.scheme == ResampleScheme::residual) {
@@ -94,18 +93,18 @@ class CudaBackend final : public Backend {
     a_.x.from_host(p.x, stream_);
     a_.y.from_host(p.y, stream_);
     a_.theta.from_host(p.theta, stream_);
-    a_.log_weight.from_host(p.log_weight, stream_);
+    log_weight_.from_host(p.log_weight, stream_);
     synchronise(stream_);
     now_ = &a_, other_ = &b_;
   }
   ParticleSet download() const override {
     return {now_->x.to_host(count_, stream_), now_->y.to_host(count_, stream_),
-            now_->theta.to_host(count_, stream_), now_->log_weight.to_host(count_, stream_)};
+            now_->theta.to_host(count_, stream_), log_weight_.to_host(count_, stream_)};
   }
 
   void predict(const MotionStep& motion, RandomKey key) override {
     use_device();
-    PARLOC_CUDA_NAMESPACE::predict({now_->view(), motion, key}, stream_);
+    PARLOC_CUDA_NAMESPACE::predict({view(*now_), motion, key}, stream_);
   }
 
   void set_scan(const BeamTable& t) override {
@@ -138,16 +137,16 @@ class CudaBackend final : public Backend {
   void normalise_scan() override {
     use_device();
     PARLOC_CUDA_NAMESPACE::normalise_scan(
-        bind_normalise(now_->view(), weights_view(), config_.resample, state_.data()), scratch_, stream_);
+        bind_normalise(view(*now_), weights_view(), config_.resample, state_.data()), scratch_, stream_);
   }
   void estimate() override {
     use_device();
-    PARLOC_CUDA_NAMESPACE::estimate(now_->view(), weights_view(), bins_, state_.data(), scratch_, stream_);
+    PARLOC_CUDA_NAMESPACE::estimate(view(*now_), weights_view(), bins_, state_.data(), scratch_, stream_);
   }
   void resample(RandomKey key) override {
     use_device();
     PARLOC_CUDA_NAMESPACE::resample(
-        {now_->view(), other_->view(), weights_view(), config_.resample.scheme, key, state_.data(),
+        {view(*now_), view(*other_), weights_view(), config_.resample.scheme, key, state_.data(),
          ancestor_.data(), offspring_sum_.data(), remainder_sum_.data()},
         scratch_, stream_);
     std::swap(now_, other_);
@@ -172,7 +171,11 @@ class CudaBackend final : public Backend {
                       short_density_.data(), end_x_.data(),       end_y_.data(),
                       host_beams_.count,     host_beams_.hits,    host_beams_.range_max_m,
                       host_beams_.sensor_x,  host_beams_.sensor_y};
-    return bind_rays(now_->view(), bind_ray_map(skip_.data(), 0, map_), beams, config_.sensor);
+    return bind_rays(view(*now_), bind_ray_map(skip_.data(), 0, map_), beams, config_.sensor);
+  }
+  /// Log-weights stay in their slots, so that one array serves both buffers of poses.
+  Particles view(const Poses& p) const {
+    return {p.x.data(), p.y.data(), p.theta.data(), log_weight_.data(), count_};
   }
   Weights weights_view() const { return {weight_.data(), cumulative_.data(), count_}; }
 
@@ -188,12 +191,13 @@ class CudaBackend final : public Backend {
   DeviceBuffer<float> field_;
   BeamTable host_beams_;
   DeviceBuffer<float> direction_x_, direction_y_, range_m_, short_density_, end_x_, end_y_, expected_m_;
-  ParticleBuffer a_, b_;
-  ParticleBuffer *now_ = &a_, *other_ = &b_;
+  Poses a_, b_;
+  DeviceBuffer<float> log_weight_;
+  Poses *now_ = &a_, *other_ = &b_;
   DeviceBuffer<std::uint64_t> weight_, cumulative_, offspring_sum_, remainder_sum_;
   DeviceBuffer<std::uint32_t> ancestor_;
   BinTable bins_;
-  DeviceBuffer<std::uint64_t> bin_key_, bin_weight_, cluster_weight_, bins_used_;
+  DeviceBuffer<std::uint64_t> bin_key_, bin_weight_, bins_used_;
   DeviceBuffer<std::uint32_t> bin_parent_, bin_slot_, bin_used_;
   DeviceBuffer<StepState> state_;
 };

@@ -28,8 +28,10 @@ struct JoinBins {
 struct SumClusters {
   BinTable t;
   PARLOC_HD void operator()(const Thread& me) const {
-    for (std::size_t k = me.first(); k < *t.used_count; k += me.stride())
-      atomic_add(&t.cluster_weight[bin_root(t, t.used[k])], t.weight[t.used[k]]);
+    for (std::size_t k = me.first(); k < *t.used_count; k += me.stride()) {
+      const std::uint32_t slot = t.used[k], root = bin_root(t, slot);
+      if (root != slot) atomic_add(&t.weight[root], t.weight[slot]);
+    }
   }
 };
 
@@ -42,8 +44,8 @@ struct FindHeaviest {
     for (std::size_t k = me.first(); k < *t.used_count; k += me.stride()) {
       const std::uint32_t s = t.used[k];
       if (t.parent[s] != s) continue;
-      if (!by_key) atomic_raise(&best[0], t.cluster_weight[s]);
-      if (by_key && t.cluster_weight[s] == best[0]) atomic_raise(&best[1], ~t.key[s]);
+      if (!by_key) atomic_raise(&best[0], t.weight[s]);
+      if (by_key && t.weight[s] == best[0]) atomic_raise(&best[1], ~t.key[s]);
     }
   }
 };
@@ -114,7 +116,7 @@ struct Finish {
   PARLOC_HD void operator()(const Thread& me) const {
     if (me.first() != 0) return;
     const double total = static_cast<double>(state->total);
-    const double cluster = static_cast<double>(t.cluster_weight[state->best_slot]);
+    const double cluster = static_cast<double>(t.weight[state->best_slot]);
     if (covariance) {
       finish_covariance(state->all, sums, total);
       finish_covariance(state->cluster, sums + 6, cluster);

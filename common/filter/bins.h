@@ -20,9 +20,8 @@ constexpr float kBinSize_m = 0.5f;
 /// Empty slots have kNoBin, no weight and themselves as parent; a step leaves the table empty by clearing
 /// what it used.
 struct BinTable {
-  std::uint64_t* key = nullptr;             ///< [capacity] kNoBin where empty
-  std::uint64_t* weight = nullptr;          ///< [capacity] of the bin
-  std::uint64_t* cluster_weight = nullptr;  ///< [capacity] of the cluster, at its root
+  std::uint64_t* key = nullptr;      ///< [capacity] kNoBin where empty
+  std::uint64_t* weight = nullptr;   ///< [capacity] of the bin; after the sums, at a root, of its cluster
   std::uint32_t* parent = nullptr;   ///< [capacity] union-find; the root has the smallest key of its cluster
   std::uint32_t* slot_of = nullptr;  ///< [N] where a particle's bin is
   std::uint32_t* used = nullptr;     ///< [N] slots in use, in any order ...
@@ -55,7 +54,6 @@ PARLOC_HD std::uint32_t bin_hash(std::uint64_t key, std::uint32_t capacity) {
 PARLOC_HD void bin_clear(const BinTable& t, std::uint32_t slot) {
   t.key[slot] = kNoBin;
   t.weight[slot] = 0;
-  t.cluster_weight[slot] = 0;
   t.parent[slot] = slot;
 }
 

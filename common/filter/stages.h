@@ -128,7 +128,7 @@ struct BinTable;
 
 struct ResampleArgs {
   Particles from;
-  Particles to;  ///< The other buffer; always written: copies when state.resample is 0.
+  Particles to;  ///< The other poses; always written: copies when state.resample is 0. May share log_weight.
   Weights weights;
   ResampleScheme scheme = ResampleScheme::systematic;
   RandomKey key;
