@@ -85,19 +85,23 @@ class CpuBackend final : public Backend {
   void predict(const MotionStep& motion, RandomKey key) override {
     cpu::predict({view(now_), motion, key}, workers_);
   }
-  void set_scan(const BeamTable& beams) override { beams_ = beams; }
+  void set_scan(const BeamTable& beams) override {
+    beams_ = beams;
+    scatter_beams(beams, scattered_);  // so that a particle's first beams tell most
+  }
 
   std::vector<float> ray_trace() override {
     std::vector<float> expected_m(now_.x.size() * beams_.count);
-    RayTraceArgs args = ray_args();
+    RayTraceArgs args = ray_args(beams_);
     args.expected_m = expected_m.data();
     cpu::ray_trace(args, workers_);
     return expected_m;
   }
 
   void weight(bool fused) override {
-    RayTraceArgs rays = ray_args();
-    if (!fused && config_.sensor.model != SensorModel::likelihood_field) {
+    const bool casts = config_.sensor.model != SensorModel::likelihood_field;
+    RayTraceArgs rays = ray_args(casts && fused ? scattered_ : beams_);
+    if (casts && !fused) {
       expected_m_ = ray_trace();
       rays.expected_m = expected_m_.data();
     }
@@ -124,20 +128,14 @@ class CpuBackend final : public Backend {
   std::vector<std::uint32_t> ancestors() const override { return ancestor_; }
 
  private:
-  RayTraceArgs ray_args() {
-    const Beams beams{beams_.direction_x.data(),
-                      beams_.direction_y.data(),
-                      beams_.range_m.data(),
-                      beams_.short_density.data(),
-                      beams_.end_x.data(),
-                      beams_.end_y.data(),
-                      beams_.count,
-                      beams_.hits,
-                      beams_.range_max_m,
-                      beams_.sensor_x,
-                      beams_.sensor_y};
+  static Beams view(const BeamTable& t) {
+    return {t.direction_x.data(), t.direction_y.data(), t.range_m.data(), t.short_density.data(),
+            t.end_x.data(),       t.end_y.data(),       t.count,          t.hits,
+            t.range_max_m,        t.sensor_x,           t.sensor_y};
+  }
+  RayTraceArgs ray_args(const BeamTable& beams) {
     const RayMap map = bind_ray_map(skip_.lines.empty() ? nullptr : skip_.lines.data(), skip_.plane, map_);
-    return bind_rays(view(now_), map, beams, config_.sensor);
+    return bind_rays(view(now_), map, view(beams), config_.sensor);
   }
   /// Log-weights stay in their slots, so that one array serves both buffers of poses.
   Particles view(Poses& p) {
@@ -155,7 +153,7 @@ class CpuBackend final : public Backend {
   SkipField skip_;
   std::vector<std::uint32_t> squared_distance_;
   std::vector<float> field_;
-  BeamTable beams_;
+  BeamTable beams_, scattered_;
   Poses now_, other_;
   std::vector<float> log_weight_;
   std::vector<std::uint64_t> weight_, cumulative_;

@@ -48,7 +48,7 @@ PARLOC_HD std::int64_t sum_of_end_points(const WeightArgs& a, std::size_t i) {
   return sum;
 }
 
-constexpr std::size_t kChunk = 64;  // beams after which a particle is looked at
+constexpr std::size_t kChunk = 32;  // beams after which a particle is looked at
 
 /// What is known of the best particle while the others are weighed. Which of them saw it in time to give up
 /// depends on the threads' schedule; the outcome does not, for only those give up whose weight is zero

@@ -1,6 +1,7 @@
 #include "common/model/beams.h"
 
 #include <cmath>
+#include <numeric>
 
 #include "common/math/portable.h"
 #include "common/math/portable64.h"
@@ -82,6 +83,37 @@ void select_beams(const Scan& scan, const ScanConfig& config, const SensorConfig
     if (pass == BeamClass::hit) table.hits = table.range_m.size();
   }
   table.count = table.range_m.size();
+}
+
+namespace {
+
+/// Appends entries [first, first + count) of `from`, a golden section of them apart (a stride without a
+/// common divisor, so that each comes once).
+void append_scattered(const BeamTable& from, std::size_t first, std::size_t count, BeamTable& to) {
+  std::size_t stride = count * 618 / 1000 + 1;
+  while (std::gcd(stride, count) != 1) ++stride;
+  for (std::size_t k = 0; k < count; ++k) {
+    const std::size_t m = first + k * stride % count;
+    to.direction_x.push_back(from.direction_x[m]);
+    to.direction_y.push_back(from.direction_y[m]);
+    to.range_m.push_back(from.range_m[m]);
+    to.short_density.push_back(from.short_density[m]);
+    to.end_x.push_back(from.end_x[m]);
+    to.end_y.push_back(from.end_y[m]);
+  }
+}
+
+}  // namespace
+
+void scatter_beams(const BeamTable& table, BeamTable& out) {
+  clear(out);
+  out.count = table.count;
+  out.hits = table.hits;
+  out.range_max_m = table.range_max_m;
+  out.sensor_x = table.sensor_x;
+  out.sensor_y = table.sensor_y;
+  append_scattered(table, 0, table.hits, out);
+  append_scattered(table, table.hits, table.count - table.hits, out);
 }
 
 }  // namespace parloc

@@ -33,4 +33,8 @@ struct BeamTable {
 void select_beams(const Scan& scan, const ScanConfig& scan_config, const SensorConfig& sensor,
                   double resolution_m, BeamTable& table, BeamCounts& counts);
 
+/// The same beams in another order, hits still before misses: any first few look all around. `out` keeps its
+/// capacity.
+void scatter_beams(const BeamTable& table, BeamTable& out);
+
 }  // namespace parloc
