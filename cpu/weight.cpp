@@ -97,7 +97,10 @@ bool trace_while_open(const WeightArgs& a, const Model& model, std::size_t i, co
     const std::size_t last = first + kChunk < beams.count ? first + kChunk : beams.count;
     trace_first(a.rays, origin, first, last, row, on);
     run_simd([&]() PARLOC_SIMD_LOOP { most += sum_of_rays(model, beams, row, first, last); });
-    if (contest.lost(tempered_log_weight(before, most + rest[first / kChunk], a.tempering))) return false;
+    // The reference casters are there to be compared with: they trace every beam.
+    if (a.rays.caster == RayCaster::skip &&
+        contest.lost(tempered_log_weight(before, most + rest[first / kChunk], a.tempering)))
+      return false;
   }
   trace_rest(a.rays, origin, row, on);
   return true;
