@@ -91,16 +91,17 @@ bool trace_while_open(const WeightArgs& a, const Model& model, std::size_t i, co
   const Beams& beams = a.rays.beams;
   const float before = a.rays.particles.log_weight[i];
   const RayOrigin origin = ray_origin(a.rays, i);
-  std::int64_t most = 0;
   on.count = 0;
+  if (a.rays.caster != RayCaster::skip) {  // references, there to be compared with: they trace every beam
+    trace_first(a.rays, origin, 0, beams.count, row, on);
+    return true;
+  }
+  std::int64_t most = 0;
   for (std::size_t first = 0; first < beams.count; first += kChunk) {
     const std::size_t last = first + kChunk < beams.count ? first + kChunk : beams.count;
     trace_first(a.rays, origin, first, last, row, on);
     run_simd([&]() PARLOC_SIMD_LOOP { most += sum_of_rays(model, beams, row, first, last); });
-    // The reference casters are there to be compared with: they trace every beam.
-    if (a.rays.caster == RayCaster::skip &&
-        contest.lost(tempered_log_weight(before, most + rest[first / kChunk], a.tempering)))
-      return false;
+    if (contest.lost(tempered_log_weight(before, most + rest[first / kChunk], a.tempering))) return false;
   }
   trace_rest(a.rays, origin, row, on);
   return true;
