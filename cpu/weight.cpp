@@ -1,5 +1,5 @@
+#include <array>
 #include <atomic>
-#include <vector>
 
 #include "common/filter/normalise.h"
 #include "common/math/fixed_point.h"
@@ -70,11 +70,13 @@ class Contest {
   std::atomic<float> best_{-__builtin_inff()};
 };
 
-/// most_of_rest[c]: upper bound of the sum over all beams behind chunk c.
+/// Entry c: upper bound of the sum over all beams behind chunk c.
+using MostOfRest = std::array<std::int64_t, kMaxBeams / kChunk>;
+
 template <class Model>
-std::vector<std::int64_t> most_of_rest(const Model& model, const Beams& b) {
+MostOfRest most_of_rest(const Model& model, const Beams& b) {
   const std::size_t chunks = (b.count + kChunk - 1) / kChunk;
-  std::vector<std::int64_t> rest(chunks, 0);
+  MostOfRest rest{};
   for (std::size_t c = chunks; c-- > 1;) {
     rest[c - 1] = rest[c];
     for (std::size_t m = c * kChunk; m < b.count && m < (c + 1) * kChunk; ++m)
@@ -86,7 +88,7 @@ std::vector<std::int64_t> most_of_rest(const Model& model, const Beams& b) {
 
 /// Ranges of one particle into `row`, as long as it may win; false if it cannot any more.
 template <class Model>
-bool trace_while_open(const WeightArgs& a, const Model& model, std::size_t i, const std::int64_t* rest,
+bool trace_while_open(const WeightArgs& a, const Model& model, std::size_t i, const MostOfRest& rest,
                       const Contest& contest, float* row, Travellers& on) {
   const Beams& beams = a.rays.beams;
   const float before = a.rays.particles.log_weight[i];
@@ -113,13 +115,13 @@ void weight_by_rays(const WeightArgs& a, const Model& model, Workers& workers) {
   const std::size_t beams = r.beams.count;
   const float* stored_m = r.expected_m;
   float* log_weight = r.particles.log_weight;
-  const std::vector<std::int64_t> rest = most_of_rest(model, r.beams);
+  const MostOfRest rest = most_of_rest(model, r.beams);
   Contest contest(r.particles.count);
   const auto loop = [&](std::size_t begin, std::size_t end) PARLOC_SIMD_LOOP {
     alignas(64) float row[kRangeRoom];
     Travellers on;
     for (std::size_t i = begin; i < end; ++i) {
-      if (stored_m == nullptr && !trace_while_open(a, model, i, rest.data(), contest, row, on)) {
+      if (stored_m == nullptr && !trace_while_open(a, model, i, rest, contest, row, on)) {
         log_weight[i] = kNoWeight;
         continue;
       }
