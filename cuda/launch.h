@@ -51,6 +51,7 @@ using Stream = cudaStream_t;
 
 inline void check(cudaError_t status, const char* what, const char* file, int line) {
   if (status == cudaSuccess) return;
+  (void)cudaGetLastError();  // or the next launch would report this error once more
   throw Error(ErrorKind::internal, std::string(file) + ":" + std::to_string(line) + ": CUDA failed while " +
                                        what + ": " + cudaGetErrorString(status));
 }

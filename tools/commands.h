@@ -22,6 +22,8 @@ Command add_run_command(CLI::App& program, const std::string& typed);
 Command add_simulate_command(CLI::App& program);
 Command add_map_command(CLI::App& program);
 Command add_config_command(CLI::App& program);
+/// `typed` is the whole command line, for the results.
+Command add_bench_command(CLI::App& program, const std::string& typed);
 Command add_devices_command(CLI::App& program);
 
 /// Exit code of a run that was interrupted and wrote what it had: 128 + SIGINT, as shells have it.

@@ -1,24 +1,21 @@
 // The program as a person or a script meets it: exit codes, one line per error, results written whole or not
 // at all.
-#include <fcntl.h>
 #include <gtest/gtest.h>
 #include <signal.h>
-#include <sys/wait.h>
-#include <unistd.h>
 
 #include <algorithm>
-#include <chrono>
+#include <cmath>
 #include <filesystem>
-#include <fstream>
-#include <map>
+#include <functional>
+#include <memory>
 #include <nlohmann/json.hpp>
 #include <sstream>
 #include <string>
-#include <thread>
 #include <vector>
 
 #include "common/io/trajectory.h"
 #include "common/map/map_reader.h"
+#include "tests/system/program_runner.h"
 #include "tests/unit/small_drive.h"
 
 namespace parloc {
@@ -26,62 +23,29 @@ namespace {
 
 namespace fs = std::filesystem;
 using Json = nlohmann::json;
-using Args = std::vector<std::string>;
+using test::Args;
+using test::contents;
+using test::Outcome;
+using test::read_file;
+using test::write_file;
 
 constexpr int kScans = 40;
-
-std::string read_file(const fs::path& path) {
-  std::ifstream file(path, std::ios::binary);
-  std::ostringstream text;
-  text << file.rdbuf();
-  return text.str();
-}
-void write_file(const fs::path& path, const std::string& text) {
-  std::ofstream(path, std::ios::binary) << text;
-}
-
-struct Outcome {
-  int code = -1;  ///< -1: killed by a signal.
-  std::string out, err;
-};
 
 class Program : public testing::Test {
  protected:
   static void SetUpTestSuite() {
-    folder = fs::temp_directory_path() / ("parloc_program_test_" + std::to_string(getpid()));
-    fs::create_directories(folder);
+    runner = std::make_unique<test::ProgramRunner>(PARLOC_PROGRAM, "parloc_program_test");
+    folder = runner->folder();
     room = test::small_room();
     drive = test::small_drive(room, kScans);
     write_map((folder / "room.yaml").string(), room);
     write_file(folder / "drive.log", test::carmen_log_of(drive));
     write_tum((folder / "truth.tum").string(), drive.truth);
   }
-  static void TearDownTestSuite() { fs::remove_all(folder); }
+  static void TearDownTestSuite() { runner.reset(); }
 
-  static std::string path(const std::string& name) { return (folder / name).string(); }
-
-  /// Starts the program with its output going to files.
-  static pid_t start(const Args& args, const std::string& stdout_path = path("stdout")) {
-    const pid_t child = fork();
-    if (child != 0) return child;
-    signal(SIGINT, SIG_DFL);
-    const int out = open(stdout_path.c_str(), O_WRONLY | O_CREAT | O_TRUNC, 0644);
-    const int err = open(path("stderr").c_str(), O_WRONLY | O_CREAT | O_TRUNC, 0644);
-    dup2(out, STDOUT_FILENO);
-    dup2(err, STDERR_FILENO);
-    std::vector<char*> argv{const_cast<char*>(PARLOC_PROGRAM)};
-    for (const std::string& arg : args) argv.push_back(const_cast<char*>(arg.c_str()));
-    argv.push_back(nullptr);
-    execv(PARLOC_PROGRAM, argv.data());
-    _exit(127);
-  }
-  static Outcome finish(pid_t child) {
-    int status = 0;
-    waitpid(child, &status, 0);
-    return {WIFEXITED(status) ? WEXITSTATUS(status) : -1, read_file(path("stdout")),
-            read_file(path("stderr"))};
-  }
-  static Outcome call(const Args& args) { return finish(start(args)); }
+  static std::string path(const std::string& name) { return runner->path(name); }
+  static Outcome call(const Args& args) { return runner->call(args); }
 
   /// A small `parloc run` on the room; later arguments win over none of these, so leave out what is to be
   /// given.
@@ -97,20 +61,11 @@ class Program : public testing::Test {
     return args;
   }
 
+  static inline std::unique_ptr<test::ProgramRunner> runner;
   static inline fs::path folder;
   static inline GridMap room;
   static inline test::SmallDrive drive;
 };
-
-/// Name -> content of every file below a folder.
-std::map<std::string, std::string> contents(const fs::path& folder) {
-  std::map<std::string, std::string> files;
-  if (!fs::exists(folder)) return files;
-  for (const auto& entry : fs::recursive_directory_iterator(folder)) {
-    files[entry.path().string()] = entry.is_regular_file() ? read_file(entry.path()) : "";
-  }
-  return files;
-}
 
 TEST_F(Program, LocalizesAndWritesEverything) {
   const Outcome outcome = call(with_truth());
@@ -287,7 +242,7 @@ TEST_F(Program, AFolderInTheWayIsSeenBeforeTheWork) {
 
 TEST_F(Program, StandardOutputThatIsFullIsAnError) {
   if (!fs::exists("/dev/full")) GTEST_SKIP() << "no /dev/full";
-  const Outcome outcome = finish(start({"config"}, "/dev/full"));
+  const Outcome outcome = runner->finish(runner->start({"config"}, "/dev/full"));
   EXPECT_EQ(outcome.code, 5) << outcome.err;
 }
 
@@ -348,16 +303,11 @@ TEST_F(Program, TroublesAreCountedAndFatalWhenStrict) {
 TEST_F(Program, InterruptedRunsKeepWhatTheyHave) {
   // 40 scans of a million particles take seconds; the first progress line says that a tenth is done.
   for (const int signal_number : {SIGINT, SIGTERM}) {
-    fs::remove(path("stderr"));
-    const pid_t child = start(run_args(
+    const pid_t child = runner->start(run_args(
         {"--init", "1,1,0", "--particles", "1000000", "--threads", "1", "--json"}, "drive.log", "cut"));
-    const auto deadline = std::chrono::steady_clock::now() + std::chrono::seconds(60);
-    while (read_file(path("stderr")).find('%') == std::string::npos &&
-           std::chrono::steady_clock::now() < deadline) {
-      std::this_thread::sleep_for(std::chrono::milliseconds(5));
-    }
+    runner->wait_for("%");
     kill(child, signal_number);
-    const Outcome outcome = finish(child);
+    const Outcome outcome = runner->finish(child);
     ASSERT_EQ(outcome.code, 130) << outcome.err;
     const std::size_t rows = read_tum(path("cut/trajectory.tum")).size();
     EXPECT_GE(rows, 1u);
@@ -405,6 +355,7 @@ TEST_F(Program, EveryHelpFitsAScreen) {
                                             {"map", "--help"},
                                             {"map", "info", "--help"},
                                             {"config", "--help"},
+                                            {"bench", "--help"},
                                             {"devices", "--help"}}) {
     const Outcome outcome = call(args);
     EXPECT_EQ(outcome.code, 0) << args[0];

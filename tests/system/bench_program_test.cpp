@@ -1,0 +1,224 @@
+// `parloc bench` as a person or a script meets it.
+#include <gtest/gtest.h>
+#include <signal.h>
+#include <sys/resource.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <chrono>
+#include <filesystem>
+#include <nlohmann/json.hpp>
+#include <sstream>
+#include <string>
+#include <thread>
+
+#include "tests/system/program_runner.h"
+
+#if defined(__linux__)
+#include <sched.h>
+#endif
+
+namespace parloc {
+namespace {
+
+namespace fs = std::filesystem;
+using Json = nlohmann::json;
+using test::Args;
+using test::Outcome;
+using test::read_file;
+using test::write_file;
+
+class BenchProgram : public testing::Test {
+ protected:
+  test::ProgramRunner runner{PARLOC_PROGRAM, "parloc_bench_program_test"};
+
+  std::string path(const std::string& name) const { return runner.path(name); }
+  /// Rows of milliseconds.
+  Args small(const Args& more, const std::string& out = "out") const {
+    Args args{"bench",       "--seconds", "0.001", "--max-particles", "500",
+              "--max-beams", "50",        "--out", path(out)};
+    args.insert(args.end(), more.begin(), more.end());
+    return args;
+  }
+  Json written(const std::string& out = "out") const {
+    return Json::parse(read_file(path(out + "/bench.json")));
+  }
+};
+
+TEST_F(BenchProgram, QuickEndsSoonAndWritesEverything) {
+  const auto begun = std::chrono::steady_clock::now();
+  const Outcome outcome = runner.call({"bench", "--quick", "--max-particles", "1000", "--out", path("out")});
+  EXPECT_LT(std::chrono::steady_clock::now() - begun, std::chrono::seconds(20));
+  ASSERT_EQ(outcome.code, 0) << outcome.err;
+  EXPECT_NE(outcome.err.find('%'), std::string::npos) << "progress";
+  std::istringstream lines(outcome.out);
+  for (std::string line; std::getline(lines, line);) {
+    if (line.find(path("out")) == std::string::npos) {
+      EXPECT_LE(line.size(), 100u) << line;
+    }
+  }
+  for (const char* part : {"dual core", "GTX 560", "Opteron", "no_hit", "hall_obstacles", "500x50", "0.0241*",
+                           "ratio", "p99", "bench.html"})
+    EXPECT_NE(outcome.out.find(part), std::string::npos) << part << "\n" << outcome.out;
+  const Json json = written();
+  EXPECT_EQ(json.at("interrupted"), false);
+  EXPECT_EQ(json.at("quick"), true);
+  EXPECT_GT(json.at("rows").size(), 0u);
+  EXPECT_NE(json.at("command").get<std::string>().find("bench --quick"), std::string::npos);
+  EXPECT_NE(read_file(path("out/bench.html")).find("</html>"), std::string::npos);
+  EXPECT_NE(read_file(path("out/bench.md")).find("| 500x50 |"), std::string::npos);
+  EXPECT_EQ(test::contents(path("out")).size(), 3u);  // nothing temporary is left
+}
+
+TEST_F(BenchProgram, JsonIsAllThatIsPrinted) {
+  const Outcome outcome =
+      runner.call(small({"--json", "--quiet", "--scene", "hall,office", "--cloud", "global"}));
+  ASSERT_EQ(outcome.code, 0) << outcome.err;
+  EXPECT_EQ(outcome.err, "");
+  EXPECT_EQ(outcome.out, read_file(path("out/bench.json")));
+  const Json json = Json::parse(outcome.out);
+  EXPECT_EQ(json.at("scenes").size(), 2u);
+  for (const Json& row : json.at("rows")) EXPECT_EQ(row.at("cloud"), "global");
+}
+
+TEST_F(BenchProgram, ScaleRuns) {
+  const Outcome outcome =
+      runner.call({"bench", "--scale", "--quick", "--seconds", "0.001", "--scene", "no_hit",
+                   "--max-particles", "8192", "--max-beams", "100", "--out", path("out")});
+  ASSERT_EQ(outcome.code, 0) << outcome.err;
+  for (const char* part : {"Stages", "normalise_scan", "bytes/s", "budget", "40 ms"})
+    EXPECT_NE(outcome.out.find(part), std::string::npos) << part << "\n" << outcome.out;
+  EXPECT_EQ(written().at("mode"), "scale");
+  EXPECT_GE(written().at("largest").size(), 3u);
+}
+
+TEST_F(BenchProgram, InterruptedKeepsFinishedRows) {
+  // The first lines of progress come when a tenth of the rows is done, seconds before the end.
+  for (const int signal_number : {SIGINT, SIGTERM}) {
+    const pid_t child =
+        runner.start({"bench", "--seconds", "0.3", "--scene", "no_hit", "--out", path("cut")});
+    runner.wait_for("500x100");
+    kill(child, signal_number);
+    const Outcome outcome = runner.finish(child);
+    ASSERT_EQ(outcome.code, 130) << outcome.err;
+    EXPECT_NE(outcome.out.find("interrupted"), std::string::npos) << outcome.out;
+    const Json json = written("cut");
+    EXPECT_EQ(json.at("interrupted"), true);
+    EXPECT_GE(json.at("rows").size(), 1u);
+    EXPECT_LT(json.at("rows").size(), 30u);
+    EXPECT_NE(read_file(path("cut/bench.html")).find("interrupted"), std::string::npos);
+    EXPECT_NE(read_file(path("cut/bench.md")).find("interrupted"), std::string::npos);
+    EXPECT_EQ(test::contents(path("cut")).size(), 3u);
+  }
+}
+
+TEST_F(BenchProgram, InterruptedAtOnceWritesNothing) {
+  const pid_t child = runner.start({"bench", "--seconds", "30", "--scene", "no_hit", "--out", path("none")});
+  for (int k = 0; k < 600 && !fs::exists(path("none")); ++k)
+    std::this_thread::sleep_for(std::chrono::milliseconds(100));
+  std::this_thread::sleep_for(std::chrono::milliseconds(500));  // the first row takes half a minute
+  kill(child, SIGINT);
+  const Outcome outcome = runner.finish(child);
+  EXPECT_EQ(outcome.code, 130) << outcome.err;
+  EXPECT_NE(outcome.err.find("nothing is written"), std::string::npos) << outcome.err;
+  EXPECT_FALSE(fs::exists(path("none")));
+}
+
+TEST_F(BenchProgram, ErrorsAreOneLineBeforeAnyWork) {
+  write_file(path("a_file"), "");
+  fs::create_directories(path("empty"));
+  fs::create_directories(path("in_the_way/bench.md"));
+  struct Case {
+    Args args;
+    int code;
+    const char* part;
+  };
+  for (const Case& c : std::vector<Case>{
+           {small({"--scene", "cellar"}), 2, "no_hit, hall, hall_obstacles, office, got 'cellar'"},
+           {small({"--scene", "hall,"}), 2, "--scene"},
+           {small({"--cloud", "none"}), 2, "--cloud"},
+           {small({"--algorithm", "best"}), 2, "published, parloc, got 'best'"},
+           {small({"--threads", "-1"}), 2, "--threads"},
+           {small({"--threads", "5000"}), 2, "--threads must be 0 to 1024"},
+           {{"bench", "--max-particles", "499"}, 2, "--max-particles must be 500 to 16777216, got 499"},
+           {{"bench", "--scale", "--max-particles", "500"}, 2, "--max-particles must be 1024"},
+           {{"bench", "--max-beams", "4097"}, 2, "--max-beams must be 50 to 4096"},
+           {{"bench", "--seconds", "nan"}, 2, "--seconds must be"},
+           {{"bench", "--seconds", "1s"}, 2, "--seconds must be"},
+           {{"bench", "--scale", "--algorithm", "published"}, 2, "--scale"},
+           {{"bench", "--fast"}, 2, "--fast"},
+           {small({"--maps", path("none")}), 3, "none"},
+           {small({"--maps", path("empty")}), 3, "hall_obstacles.yaml"},
+           {small({}, "a_file"), 5, "a_file"},
+           {small({}, "a_file/below"), 5, "a_file"},
+           {small({}, "in_the_way"), 5, "bench.md"}}) {
+    const Outcome outcome = runner.call(c.args);
+    const std::string shown = testing::PrintToString(c.args) + "\n" + outcome.err;
+    EXPECT_EQ(outcome.code, c.code) << shown;
+    EXPECT_EQ(outcome.out, "") << shown;
+    EXPECT_EQ(outcome.err.rfind("parloc: ", 0), 0u) << shown;
+    EXPECT_EQ(std::count(outcome.err.begin(), outcome.err.end(), '\n'), 1) << shown;  // so no progress either
+    EXPECT_NE(outcome.err.find(c.part), std::string::npos) << shown;
+  }
+}
+
+TEST_F(BenchProgram, FolderWithoutWritePermission) {
+  if (geteuid() == 0) GTEST_SKIP() << "root may write anywhere";
+  fs::create_directories(path("locked"));
+  fs::permissions(path("locked"), fs::perms::owner_read | fs::perms::owner_exec);
+  const Outcome outcome = runner.call(small({}, "locked"));
+  fs::permissions(path("locked"), fs::perms::owner_all);
+  EXPECT_EQ(outcome.code, 5) << outcome.err;
+  EXPECT_EQ(outcome.err.find('%'), std::string::npos) << outcome.err;
+}
+
+TEST_F(BenchProgram, WithoutAGpuItSaysSo) {
+  const Outcome devices = runner.call({"devices"});
+  if (devices.out.find("cuda 0:") != std::string::npos) GTEST_SKIP() << "there is a GPU";
+  const Outcome outcome = runner.call(small({"--scene", "no_hit"}));
+  EXPECT_EQ(outcome.code, 0) << outcome.err;
+  EXPECT_NE(outcome.out.find("- no GPU is measured"), std::string::npos) << outcome.out;
+}
+
+TEST_F(BenchProgram, OnOneCore) {
+#if defined(__linux__)
+  const pid_t child = runner.start(small({"--scene", "no_hit"}), "", [] {
+    cpu_set_t allowed, one;
+    CPU_ZERO(&one);
+    sched_getaffinity(0, sizeof(allowed), &allowed);
+    for (int cpu = 0; cpu < CPU_SETSIZE && CPU_COUNT(&one) == 0; ++cpu)
+      if (CPU_ISSET(cpu, &allowed)) CPU_SET(cpu, &one);
+    sched_setaffinity(0, sizeof(one), &one);
+  });
+  const Outcome outcome = runner.finish(child);
+  ASSERT_EQ(outcome.code, 0) << outcome.err;
+  EXPECT_NE(outcome.out.find("only one thread is measured"), std::string::npos) << outcome.out;
+  EXPECT_EQ(written().at("machine").at("cores"), 1);
+  for (const Json& variant : written().at("variants")) {
+    if (variant.at("backend") == "cpu") {
+      EXPECT_EQ(variant.at("threads"), 1);
+    }
+  }
+#else
+  GTEST_SKIP() << "no sched_setaffinity";
+#endif
+}
+
+TEST_F(BenchProgram, WithTooLittleMemoryItSaysWhatItSkipped) {
+  // A million particles need 200 MB, a quarter of them 100 MB. A thread's stack and arena take address space,
+  // too: one thread.
+  const Args args{"bench",   "--scale",     "--scene", "no_hit",    "--seconds", "0.001", "--max-particles",
+                  "1048576", "--max-beams", "50",      "--threads", "1",         "--out", path("out")};
+  const pid_t child = runner.start(args, "", [] {
+    const rlimit limit{180'000'000, 180'000'000};
+    setrlimit(RLIMIT_AS, &limit);
+  });
+  const Outcome outcome = runner.finish(child);
+  ASSERT_EQ(outcome.code, 0) << outcome.err;
+  EXPECT_NE(outcome.out.find("skipped no_hit, tracking, 1048576 x 50"), std::string::npos) << outcome.out;
+  EXPECT_NE(outcome.out.find("GB of memory"), std::string::npos) << outcome.out;
+  EXPECT_GT(written().at("rows").size(), 4u);  // the smaller ones are there
+}
+
+}  // namespace
+}  // namespace parloc

@@ -1,0 +1,676 @@
+// `parloc bench`: the published figures, what is measured, how numbers come from times, and the files.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstdint>
+#include <nlohmann/json.hpp>
+#include <numeric>
+#include <sstream>
+#include <string>
+#include <vector>
+
+#include "common/error.h"
+#include "common/eval/simulator.h"
+#include "tools/bench/bisect.h"
+#include "tools/bench/json.h"
+#include "tools/bench/maps_folder.h"
+#include "tools/bench/measure.h"
+#include "tools/bench/memory.h"
+#include "tools/bench/numbers.h"
+#include "tools/bench/pages.h"
+#include "tools/bench/published.h"
+#include "tools/bench/rig.h"
+#include "tools/bench/scale_run.h"
+#include "tools/bench/scenes.h"
+#include "tools/bench/statistics.h"
+#include "tools/bench/table.h"
+#include "tools/bench/tables.h"
+#include "tools/bench/tables_run.h"
+#include "tools/bench/variants.h"
+
+namespace parloc::bench {
+namespace {
+
+using Json = nlohmann::json;
+
+const std::string kMaps = "maps";  // tests run in the repository's root
+
+// ---- the published tables ----------------------------------------------------------------------------
+
+/// Rows N, columns M = 50, 100, 200; dual core, GTX 560, Opteron: as the specification has them, typed in
+/// once more.
+constexpr const char* kTyped = R"(
+500  .0241 .0471 .0933  .0084 .0168 .0353  .0016 .0056 .0104
+1000 .0488 .0949 .1870  .0164 .0324 .0671  .0069 .0121 .0210
+2000 .1006 .1926 .3774  .0253 .0498 .1015  .0160 .0260 .0427
+3000 .1562 .2942 .5707  .0339 .0671 .1306  .0281 .0420 .0692
+4000 .2141 .3983 .7679  .0421 .0834 .1642  .0408 .0592 .0975
+)";
+
+double published(std::size_t table, std::int64_t particles, int beams) {
+  return published_seconds(published_tables()[table], particles, beams).value();
+}
+
+TEST(Published, TablesAreThoseOfThePaper) {
+  std::istringstream typed(kTyped);
+  std::int64_t particles = 0;
+  int rows = 0;
+  for (; typed >> particles; ++rows) {
+    for (std::size_t table = 0; table < 3; ++table) {
+      for (const int beams : {50, 100, 200}) {
+        double seconds = 0.0;
+        ASSERT_TRUE(typed >> seconds);
+        EXPECT_EQ(published(table, particles, beams), seconds) << table << ' ' << particles << ' ' << beams;
+      }
+    }
+  }
+  EXPECT_EQ(rows, 5);
+  EXPECT_FALSE(published_seconds(published_tables()[0], 600, 50));
+  EXPECT_FALSE(published_seconds(published_tables()[0], 500, 51));
+}
+
+/// What the specification derives from them.
+TEST(Published, DerivedFiguresAreRight) {
+  std::vector<int> within;
+  for (std::size_t table = 0; table < 3; ++table) {
+    int count = 0;
+    for (const std::int64_t n : kPublishedParticles)
+      for (const int m : kPublishedBeams) count += published(table, n, m) <= kBudget_s ? 1 : 0;
+    within.push_back(count);
+  }
+  EXPECT_EQ(within, (std::vector<int>{1, 7, 9}));
+
+  const double largest = 4000.0 * 200.0;
+  EXPECT_NEAR(largest / published(0, 4000, 200), 1.04e6, 0.005e6);
+  EXPECT_NEAR(largest / published(1, 4000, 200), 4.87e6, 0.005e6);
+  EXPECT_NEAR(largest / published(2, 4000, 200), 8.21e6, 0.005e6);
+
+  std::vector<double> ratios;  // GPU over Opteron
+  for (const std::int64_t n : kPublishedParticles)
+    for (const int m : kPublishedBeams) ratios.push_back(published(1, n, m) / published(2, n, m));
+  EXPECT_NEAR(*std::min_element(ratios.begin(), ratios.end()), 1.03, 0.005);
+  EXPECT_NEAR(*std::max_element(ratios.begin(), ratios.end()), 5.25, 0.005);
+  EXPECT_NEAR(std::accumulate(ratios.begin(), ratios.end(), 0.0) / 15.0, 2.31, 0.005);
+
+  // 2 T50 - T100 cancels the rays: flat on the GPU, growing with N^2 on the others.
+  const auto without_rays = [](std::size_t table, std::int64_t n) {
+    return 1e3 * (2.0 * published(table, n, 50) - published(table, n, 100));
+  };
+  for (const std::int64_t n : {1000, 2000, 3000, 4000}) {
+    EXPECT_GE(without_rays(1, n), 0.35) << n;
+    EXPECT_LE(without_rays(1, n), 0.85) << n;
+  }
+  EXPECT_NEAR(without_rays(0, 1000), 2.7, 0.05);
+  EXPECT_NEAR(without_rays(0, 4000), 29.9, 0.05);
+  EXPECT_NEAR(without_rays(2, 1000), 1.7, 0.05);
+  EXPECT_NEAR(without_rays(2, 4000), 22.4, 0.05);
+}
+
+// ---- times ---------------------------------------------------------------------------------------------
+
+TEST(Statistics, OfKnownTimes) {
+  std::vector<double> times(100);
+  std::iota(times.begin(), times.end(), 1.0);
+  std::reverse(times.begin(), times.end());
+  const TimeSummary s = summarise(times);
+  EXPECT_EQ(s.count, 100u);
+  EXPECT_DOUBLE_EQ(s.median_s, 50.5);
+  EXPECT_DOUBLE_EQ(s.p99_s, 99.0);
+  EXPECT_DOUBLE_EQ(s.q1_s, 25.75);
+  EXPECT_DOUBLE_EQ(s.q3_s, 75.25);
+  EXPECT_DOUBLE_EQ(s.least_s, 1.0);
+  EXPECT_DOUBLE_EQ(s.most_s, 100.0);
+}
+
+TEST(Statistics, OfFewTimes) {
+  const TimeSummary none = summarise({});
+  EXPECT_EQ(none.count, 0u);
+  EXPECT_EQ(none.median_s, 0.0);
+  const TimeSummary one = summarise({3.0});
+  EXPECT_EQ(one.median_s, 3.0);
+  EXPECT_EQ(one.p99_s, 3.0);
+  EXPECT_EQ(one.q1_s, 3.0);
+  const TimeSummary odd = summarise({9.0, 1.0, 2.0});
+  EXPECT_EQ(odd.median_s, 2.0);
+  EXPECT_EQ(odd.p99_s, 9.0);  // of fewer than 100 the longest
+  EXPECT_EQ(odd.q1_s, 1.5);
+  EXPECT_EQ(odd.q3_s, 5.5);
+}
+
+TimingRules rules_of(double seconds, int least, int most) {
+  TimingRules rules;
+  rules.seconds = seconds;
+  rules.least_steps = least;
+  rules.most_steps = most;
+  rules.warm_up_steps = 2;
+  rules.warm_up_seconds = 0.0;
+  return rules;
+}
+
+TEST(Measure, CountsStepsAfterTheWarmUp) {
+  int steps = 0;
+  const auto step = [&] { return static_cast<double>(++steps); };
+  const auto time = measure(step, rules_of(0.0, 7, 1000), {});
+  ASSERT_TRUE(time);
+  EXPECT_EQ(steps, 9);
+  EXPECT_EQ(time->count, 7u);
+  EXPECT_EQ(time->least_s, 3.0);  // the two of the warm-up are not in it
+  EXPECT_EQ(time->median_s, 6.0);
+  EXPECT_EQ(measure(step, rules_of(3600.0, 7, 20), {})->count, 20u);
+}
+
+TEST(Measure, EndsEarlyWhenAsked) {
+  int steps = 0;
+  const auto step = [&] { return static_cast<double>(++steps); };
+  Control stopped;
+  stopped.stop = [&] { return steps >= 5; };
+  EXPECT_FALSE(measure(step, rules_of(0.0, 100, 1000), stopped));
+  EXPECT_EQ(steps, 5);
+  Control late;
+  late.deadline = Clock::now();
+  steps = 0;
+  EXPECT_EQ(measure(step, rules_of(0.0, 100, 1000), late)->count, 1u);
+  EXPECT_EQ(steps, 2);
+}
+
+TEST(Measure, LongStepsAreRepeatedLess) {
+  TimingRules rules = rules_of(0.0, 100, 1000);
+  rules.long_seconds = 0.0;
+  int steps = 0;
+  EXPECT_EQ(measure([&] { return static_cast<double>(++steps); }, rules, {})->count, 3u);
+  EXPECT_EQ(steps, 4);
+}
+
+TEST(Bisect, FindsTheLargest) {
+  for (const std::int64_t truth : {64, 65, 700, 12'345, 999'999}) {
+    for (const std::int64_t guess : {1, 100, 10'000, 100'000'000}) {
+      int calls = 0;
+      const auto found = largest_that_fits(64, 1'000'000, guess, 0.02, [&](std::int64_t n) {
+        ++calls;
+        return std::optional<bool>(n <= truth);
+      });
+      ASSERT_TRUE(found);
+      EXPECT_LE(found->fits, truth);
+      EXPECT_GT(found->too_many, truth);
+      const bool close = static_cast<double>(found->too_many) <= 1.02 * static_cast<double>(found->fits);
+      EXPECT_TRUE(close || found->too_many - found->fits == 1) << found->fits << ' ' << found->too_many;
+      EXPECT_LE(calls, 24) << truth << ' ' << guess;  // 14 doublings at most, 6 halvings to 2 %
+    }
+  }
+}
+
+TEST(Bisect, AtTheEnds) {
+  const auto all =
+      largest_that_fits(64, 1000, 200, 0.02, [](std::int64_t) { return std::optional<bool>(true); });
+  EXPECT_EQ(all->fits, 1000);
+  EXPECT_EQ(all->too_many, 0);
+  const auto none =
+      largest_that_fits(64, 1000, 200, 0.02, [](std::int64_t) { return std::optional<bool>(false); });
+  EXPECT_EQ(none->fits, 0);
+  EXPECT_EQ(none->too_many, 64);
+  EXPECT_FALSE(largest_that_fits(64, 1000, 200, 0.02, [](std::int64_t) { return std::optional<bool>(); }));
+}
+
+// ---- scenes --------------------------------------------------------------------------------------------
+
+std::size_t occupied(const GridMap& map) {
+  return static_cast<std::size_t>(std::count(map.cells.begin(), map.cells.end(), Cell::occupied));
+}
+
+TEST(Scenes, HaveTheSizesThatAreStated) {
+  struct Stated {
+    const char* name;
+    int width, height;
+    double occupied_percent;
+  };
+  for (const Stated& stated : {Stated{"no_hit", 800, 600, 0.0},
+                               {"hall", 400, 200, 1.5},
+                               {"hall_obstacles", 400, 200, 4.3},
+                               {"office", 1080, 666, 9.3}}) {
+    const Scene scene = make_scene(stated.name, kMaps);
+    EXPECT_EQ(scene.name, stated.name);
+    EXPECT_EQ(scene.map.width, stated.width) << stated.name;
+    EXPECT_EQ(scene.map.height, stated.height) << stated.name;
+    EXPECT_DOUBLE_EQ(scene.map.resolution_m, 0.05) << stated.name;
+    const double percent =
+        100.0 * static_cast<double>(occupied(scene.map)) / static_cast<double>(scene.map.size());
+    EXPECT_NEAR(percent, stated.occupied_percent, 0.05) << stated.name;
+    EXPECT_EQ(scene.map.at_point(scene.pose.x_m, scene.pose.y_m), Cell::free) << stated.name;
+  }
+}
+
+TEST(Scenes, NoRayHitsInTheWorstCase) {
+  const Scene scene = make_scene("no_hit", "no such folder");  // it needs none
+  for (const Cloud kind : {Cloud::tracking, Cloud::global}) {
+    const ParticleSet cloud = make_cloud(scene, kind, 2000);
+    for (std::size_t i = 0; i < cloud.x.size(); ++i) {
+      // The central 20 x 10 m: at least 8 m of empty cells to every side.
+      EXPECT_GE(cloud.x[i], 10.0f);
+      EXPECT_LE(cloud.x[i], 30.0f);
+      EXPECT_GE(cloud.y[i], 10.0f);
+      EXPECT_LE(cloud.y[i], 20.0f);
+    }
+  }
+  const Scan scan = make_scan(scene, 50);
+  for (const float range_m : scan.ranges_m) EXPECT_EQ(range_m, 8.0f);
+}
+
+TEST(Scenes, GlobalCloudsCoverTheFreeCells) {
+  const Scene scene = make_scene("hall_obstacles", kMaps);
+  const ParticleSet cloud = make_cloud(scene, Cloud::global, 4000);
+  std::array<int, 4> quarters{};
+  for (std::size_t i = 0; i < cloud.x.size(); ++i) {
+    EXPECT_EQ(scene.map.at_point(cloud.x[i], cloud.y[i]), Cell::free);
+    ++quarters[(cloud.x[i] < 10.0f ? 0u : 1u) + (cloud.y[i] < 5.0f ? 0u : 2u)];
+  }
+  for (const int quarter : quarters)
+    EXPECT_NEAR(quarter, 1000, 200);  // free areas differ; sd of a count is 27
+}
+
+TEST(Scenes, TrackingCloudsAreAboutThePose) {
+  const Scene scene = make_scene("office", kMaps);
+  const ParticleSet cloud = make_cloud(scene, Cloud::tracking, 4000);
+  double x = 0.0, xx = 0.0, t = 0.0, tt = 0.0;
+  for (std::size_t i = 0; i < cloud.x.size(); ++i) {
+    const double dx = cloud.x[i] + scene.map.T_map_grid.x_m - scene.pose.x_m;
+    const double dt = cloud.theta[i] - scene.pose.theta_rad;
+    x += dx / 4000, xx += dx * dx / 4000, t += dt / 4000, tt += dt * dt / 4000;
+  }
+  EXPECT_NEAR(x, 0.0, 0.015);  // 5 sd of the mean
+  EXPECT_NEAR(t, 0.0, 0.008);
+  EXPECT_NEAR(std::sqrt(xx), 0.2, 0.012);  // 5 sd of the sd
+  EXPECT_NEAR(std::sqrt(tt), 0.1, 0.006);
+}
+
+TEST(Scenes, ScansAreEvenAndNoisy) {
+  const Scene scene = make_scene("hall_obstacles", kMaps);
+  const Scan scan = make_scan(scene, 1080);
+  ASSERT_EQ(scan.ranges_m.size(), 1080u);
+  EXPECT_NEAR(scan.angle_min_rad, -0.75 * M_PI, 1e-12);
+  EXPECT_NEAR(scan.angle_min_rad + 1079 * scan.angle_step_rad, 0.75 * M_PI, 1e-12);
+  double sum = 0.0, squares = 0.0;
+  int hits = 0;
+  for (std::size_t k = 0; k < 1080; ++k) {
+    const double angle_rad =
+        scene.pose.theta_rad + scan.angle_min_rad + static_cast<double>(k) * scan.angle_step_rad;
+    const SimulatedHit hit = cast_simulated_ray(scene.map, scene.pose.x_m, scene.pose.y_m, angle_rad, 8.0);
+    if (!hit.hit) continue;
+    const double error_m = scan.ranges_m[k] - hit.range_m;
+    sum += error_m, squares += error_m * error_m, ++hits;
+  }
+  ASSERT_GT(hits, 500);
+  EXPECT_NEAR(sum / hits, 0.0, 5 * 0.02 / std::sqrt(hits));
+  EXPECT_NEAR(std::sqrt(squares / hits), 0.02, 5 * 0.02 / std::sqrt(2.0 * hits));
+  EXPECT_EQ(make_scan(scene, 1080).ranges_m, scan.ranges_m);  // a fixed seed
+}
+
+TEST(Scenes, WhatIsMissingIsSaid) {
+  try {
+    make_scene("cellar", kMaps);
+    FAIL() << "a scene that does not exist";
+  } catch (const Error& e) {
+    EXPECT_EQ(e.kind(), ErrorKind::usage);
+    EXPECT_NE(std::string(e.what()).find("hall_obstacles"), std::string::npos) << e.what();
+  }
+  try {
+    find_maps_folder("no/such/folder");
+    FAIL() << "a folder that does not exist";
+  } catch (const Error& e) {
+    EXPECT_EQ(e.kind(), ErrorKind::input);
+    EXPECT_NE(std::string(e.what()).find("no/such/folder"), std::string::npos) << e.what();
+  }
+  EXPECT_NO_THROW(make_scene("hall", find_maps_folder("")));
+  EXPECT_THROW(make_scene("hall", "configs"), Error);  // a folder without that map
+}
+
+// ---- variants and rigs ---------------------------------------------------------------------------------
+
+TEST(Variants, AreTheTwoAlgorithmsOnOneThreadAndOnAll) {
+  const std::vector<Algorithm> both{Algorithm::published, Algorithm::parloc};
+  std::vector<std::string> names;
+  for (const Variant& v : choose_variants(both, 3).variants) {
+    if (v.backend == BackendChoice::cpu) names.push_back(name_of(v));
+  }
+  EXPECT_EQ(names, (std::vector<std::string>{"published, 1 thread", "published, 3 threads",
+                                             "parloc, 1 thread", "parloc, 3 threads"}));
+  const VariantChoice alone = choose_variants({Algorithm::published}, 1);
+  ASSERT_EQ(alone.variants.size(), 1u);
+  ASSERT_EQ(alone.notes.size(), 1u);
+  EXPECT_NE(alone.notes[0].find("one thread"), std::string::npos) << alone.notes[0];
+}
+
+TEST(Variants, UseTheSettingsThatTheirNamesPromise) {
+  const BackendConfig published = backend_config({Algorithm::published, BackendChoice::cpu, 1, 0}, 10);
+  EXPECT_EQ(published.sensor.caster, RayCaster::fixed_step);
+  EXPECT_EQ(published.sensor.fixed_step_cells, 0.5);
+  EXPECT_EQ(published.resample.scheme, ResampleScheme::multinomial_linear);
+  const BackendConfig ours = backend_config({Algorithm::parloc, BackendChoice::cpu, 2, 0}, 10);
+  EXPECT_EQ(ours.sensor.caster, RayCaster::skip);
+  EXPECT_EQ(ours.resample.scheme, ResampleScheme::systematic);
+  EXPECT_EQ(ours.threads, 2);
+  for (const BackendConfig& c : {published, ours}) {
+    EXPECT_EQ(c.sensor.model, SensorModel::gaussian);
+    EXPECT_EQ(c.sensor.sigma_hit, 0.1);
+    EXPECT_EQ(c.sensor.tempering, 1.0);
+    EXPECT_GE(c.resample.threshold, 1.0);  // every step
+    EXPECT_EQ(c.particles, 10);
+  }
+}
+
+/// A step that finds the robot has done all of its work.
+TEST(Rig, StepsLocalize) {
+  const Scene scene = make_scene("hall_obstacles", kMaps);
+  for (const Algorithm algorithm : {Algorithm::published, Algorithm::parloc}) {
+    Rig rig({algorithm, BackendChoice::cpu, 2, 0}, scene, Cloud::tracking, 2000);
+    rig.use_beams(100);
+    for (int k = 0; k < 2; ++k) {  // the second starts from the same cloud
+      EXPECT_GT(rig.step_seconds(), 0.0);
+      const StepState& state = rig.last();
+      EXPECT_EQ(state.resample, 1u);
+      EXPECT_EQ(state.degenerate, 0u);
+      // The clouds drive on by 5 cm, the scan stays; the filter follows the scan. 5 cm is a cell.
+      EXPECT_NEAR(state.all.x, scene.pose.x_m, 0.05) << kAlgorithmNames[static_cast<std::size_t>(algorithm)];
+      EXPECT_NEAR(state.all.y, scene.pose.y_m, 0.05);
+      EXPECT_NEAR(state.all.theta, scene.pose.theta_rad, 0.03);
+      EXPECT_LT(state.n_eff, 500.0);
+    }
+    const double x_m = rig.last().all.x;
+    const StageSeconds stages = rig.stage_seconds();
+    for (const double seconds : stages) EXPECT_GE(seconds, 0.0);
+    EXPECT_GT(stages[2], stages[0]) << "casting 200000 rays takes longer than moving 2000 particles";
+    EXPECT_NE(rig.last().all.x, x_m) << "new random numbers in every step";
+  }
+}
+
+TEST(Rig, NoHitWeighsAllAlike) {
+  const Scene scene = make_scene("no_hit", "");
+  Rig rig({Algorithm::parloc, BackendChoice::cpu, 1, 0}, scene, Cloud::global, 500);
+  rig.use_beams(50);
+  rig.step_seconds();
+  EXPECT_NEAR(rig.last().n_eff, 500.0, 1e-6);
+  EXPECT_EQ(rig.last().resample, 1u);
+}
+
+TEST(Memory, TooLargeIsSaidBefore) {
+  const Variant cpu{Algorithm::parloc, BackendChoice::cpu, 1, 0};
+  EXPECT_EQ(too_large(cpu, 1000, std::nullopt), "");
+  EXPECT_EQ(too_large(cpu, 1000, needed_bytes(cpu, 1000)), "");
+  const std::string why = too_large(cpu, std::int64_t{1} << 24, std::uint64_t{1} << 30);
+  EXPECT_NE(why.find("1.07 GB are available"), std::string::npos) << why;
+  // 16 M particles are known to take 1.9 to 2.9 GB: 2 x 16 + 24 + 2 x 28 bytes each, and the cloud of 16.
+  EXPECT_GT(needed_bytes(cpu, std::int64_t{1} << 24), std::uint64_t{1'900'000'000});
+  EXPECT_LT(needed_bytes(cpu, std::int64_t{1} << 24), std::uint64_t{2'900'000'000});
+  const std::uint64_t available = std::uint64_t{1} << 30;
+  const std::int64_t most = particles_in_memory(cpu, std::int64_t{1} << 24, available);
+  EXPECT_EQ(too_large(cpu, most, available), "");
+  EXPECT_NE(too_large(cpu, most + 1, available), "");
+  EXPECT_EQ(particles_in_memory(cpu, 5000, available), 5000);
+  EXPECT_EQ(particles_in_memory(cpu, 5000, 1000), 0);
+  EXPECT_GT(available_bytes().value_or(1), 0u);
+}
+
+// ---- texts ---------------------------------------------------------------------------------------------
+
+TEST(Numbers, HaveFewDigits) {
+  EXPECT_EQ(significant(0.00123456, 3), "0.00123");
+  EXPECT_EQ(significant(0.0999, 2), "0.10");
+  EXPECT_EQ(significant(123456.0, 3), "123000");
+  EXPECT_EQ(significant(0.0, 3), "0");
+  EXPECT_EQ(significant(NAN, 3), "-");
+  EXPECT_EQ(seconds_text(0.76789), "0.7679");
+  EXPECT_EQ(seconds_text(0.0012345), "0.00123");
+  EXPECT_EQ(milliseconds_text(0.0012345), "1.23");
+  EXPECT_EQ(short_number(68.93e6), "68.9 M");
+  EXPECT_EQ(short_number(1.49e9), "1.49 G");
+  EXPECT_EQ(grouped(16'777'216), "16,777,216");
+  EXPECT_EQ(grouped(999), "999");
+  EXPECT_EQ(grouped(-1000), "-1,000");
+}
+
+std::vector<std::string> lines_of(const std::string& text) {
+  std::vector<std::string> lines;
+  std::istringstream stream(text);
+  for (std::string line; std::getline(stream, line);) lines.push_back(line);
+  return lines;
+}
+
+TEST(Tables, ArePartedWhereTheyAreTooWide) {
+  Table table;
+  table.title = "T";
+  table.columns = {{"", "key", true}, {"a", "one"}, {"a", "two"}, {"b", "three"}, {"b", "four"}};
+  table.rows = {{"x", "1", "2", "3", "4"}, {"y", "11", "22", "33", "44"}};
+  const auto whole = lines_of(terminal_text(table, 100));
+  ASSERT_EQ(whole.size(), 5u) << terminal_text(table, 100);
+  EXPECT_EQ(whole[3], "x      1    2      3     4");
+  const auto parts = lines_of(terminal_text(table, 16));
+  ASSERT_EQ(parts.size(), 10u) << terminal_text(table, 16);  // title, 4, blank, 4
+  for (const std::string& line : parts) EXPECT_LE(line.size(), 16u) << line;
+  EXPECT_EQ(parts[3], "x      1    2");
+  EXPECT_EQ(parts[8], "x        3     4");
+  EXPECT_EQ(lines_of(markdown_text(table)).size(), 6u);
+  table.rows[0][0] = "<script>";
+  EXPECT_EQ(html_text(table).find("<script>"), std::string::npos);
+}
+
+TEST(Results, SkippedRowsOfOneReasonAreOneLine) {
+  const auto lines = skipped_lines({{"a", "memory"}, {"b", "time"}, {"c", "memory"}});
+  EXPECT_EQ(lines, (std::vector<std::string>{"skipped a and 1 more: memory", "skipped b: time"}));
+}
+
+/// Results as of a large machine, with made-up times: particles x beams / rate.
+Results made_up(bool scale) {
+  Results r;
+  r.scale = scale;
+  r.command = "parloc bench --out <b>";
+  r.date = date_now();
+  r.machine = machine_here();
+  r.scenes = {{"no_hit", "empty"}};
+  const Place place{"no_hit", "tracking"};
+  const auto add = [&](Sweep sweep, std::size_t v, std::int64_t n, int m, double rays_per_s) {
+    Row row{sweep, place, v, n, m, {}, {}};
+    row.time = summarise({static_cast<double>(n) * m / rays_per_s});
+    if (scale) row.stages = StageSeconds{1e-6, 1e-6, row.time.median_s, 1e-5, 1e-5, 1e-5};
+    r.rows.push_back(row);
+  };
+  for (const Variant& v : {Variant{Algorithm::published, BackendChoice::cpu, 1, 0},
+                           {Algorithm::published, BackendChoice::cpu, 128, 0},
+                           {Algorithm::parloc, BackendChoice::cpu, 1, 0},
+                           {Algorithm::parloc, BackendChoice::cpu, 128, 0},
+                           {Algorithm::parloc, BackendChoice::cuda, 1, 0},
+                           {Algorithm::parloc, BackendChoice::cuda, 1, 1}})
+    r.index_of(v);
+  double rays_per_s = 1e6;
+  for (std::size_t v = 0; v < r.variants.size(); ++v, rays_per_s *= 7.0) {
+    if (!scale) {
+      for (const std::int64_t n : kPublishedParticles)
+        for (const int m : kPublishedBeams) add(Sweep::tables, v, n, m, rays_per_s);
+    } else {
+      for (std::int64_t n = 1024; n <= 16'777'216; n *= 4) add(Sweep::particles, v, n, 200, rays_per_s);
+      for (const int m : {50, 1080}) add(Sweep::beams, v, 65'536, m, rays_per_s);
+      for (const std::int64_t n : {4000, 65'536}) add(Sweep::threads, v, n, 200, rays_per_s);
+      for (const double budget_s : kScaleBudgets_s) {
+        r.largest.push_back(
+            {place, v, 200, budget_s, 16'777'216, 0, "the most that parloc takes", 0.01, 0.02});
+        r.largest.push_back({place, v, 200, budget_s, 0, 64, "", 0.0, 0.0});
+      }
+    }
+  }
+  r.skipped = {
+      {"no_hit, tracking, 16777216 x 200: parloc, 1 thread", "needs 2.5 GB of memory, 1 GB are available"}};
+  r.notes = {"cuda 2 is not measured: no kernel image is available for execution on the device"};
+  return r;
+}
+
+TEST(Pages, FitTheTerminal) {
+  for (const bool scale : {false, true}) {
+    Results results = made_up(scale);
+    results.interrupted = true;
+    const std::string page = terminal_page(results);
+    for (const std::string& line : lines_of(page)) EXPECT_LE(line.size(), 100u) << line;
+    EXPECT_NE(page.find("skipped no_hit, tracking, 16777216 x 200"), std::string::npos);
+    EXPECT_NE(page.find("no kernel image"), std::string::npos);
+    EXPECT_NE(page.find("- interrupted"), std::string::npos);
+  }
+}
+
+TEST(Pages, MarkWhatIsWithinTheBudgetAndGiveRatios) {
+  const Results results = made_up(false);
+  const Table table = published_table(results, {"no_hit", "tracking"}, published_tables()[1]);
+  ASSERT_EQ(table.rows.size(), 15u);
+  const auto& last = table.rows.back();
+  EXPECT_EQ(last[0], "4000x200");
+  EXPECT_EQ(last[1], "0.1642 ");
+  EXPECT_EQ(last[2], "0.8000 ");  // 800,000 rays at 1 M/s
+  EXPECT_EQ(last[3], "4.9");      // 0.8 / 0.1642
+  EXPECT_EQ(last[6], "0.0163*");  // at 49 M/s
+  const Table summary = summary_table(results, {"no_hit", "tracking"});
+  ASSERT_EQ(summary.rows.size(), 9u);
+  EXPECT_EQ(summary.rows[0][1], "1 of 15");
+  EXPECT_EQ(summary.rows[2][1], "9 of 15");
+  EXPECT_EQ(summary.rows[3][1], "1 of 15");  // 500 x 50 in 25 ms alone
+  EXPECT_EQ(summary.rows[5].back(), "49.0 x");
+}
+
+TEST(Pages, WebPageIsWholeAndSafe) {
+  for (const bool scale : {false, true}) {
+    const std::string html = html_page(made_up(scale));
+    EXPECT_NE(html.find("</html>"), std::string::npos);
+    EXPECT_EQ(html.find("http"), std::string::npos) << "nothing is fetched";
+    EXPECT_EQ(html.find("src="), std::string::npos);
+    EXPECT_NE(html.find("&lt;b&gt;"), std::string::npos);
+    EXPECT_EQ(html.find("nan"), std::string::npos);
+    std::size_t figures = 0;
+    for (std::size_t at = html.find("<figure"); at != std::string::npos; at = html.find("<figure", at + 1))
+      ++figures;
+    EXPECT_EQ(figures, 3u);
+    EXPECT_NE(html.find(">40 ms</text>"), std::string::npos);
+  }
+}
+
+TEST(Pages, JsonHasEverything) {
+  const Json tables = Json::parse(json_text(made_up(false)));
+  EXPECT_EQ(tables.at("mode"), "tables");
+  EXPECT_EQ(tables.at("interrupted"), false);
+  for (const char* key :
+       {"cpu", "cores", "memory_bytes", "os", "devices", "gpu_driver", "load_average", "settings"})
+    EXPECT_TRUE(tables.at("machine").contains(key)) << key;
+  for (const char* key : {"version", "commit", "compiler", "flags", "build_type", "cuda"})
+    EXPECT_TRUE(tables.at("build").contains(key)) << key;
+  for (const char* key :
+       {"command", "date", "protocol", "scenes", "published", "variants", "rows", "skipped", "notes"})
+    EXPECT_TRUE(tables.contains(key)) << key;
+  ASSERT_EQ(tables.at("rows").size(), 90u);
+  const Json& row = tables.at("rows").at(14);
+  for (const char* key : {"median_s", "p99_s", "q1_s", "q3_s", "steps", "rays_per_s", "particles", "beams"})
+    EXPECT_TRUE(row.at(key).is_number()) << key;
+  EXPECT_EQ(row.at("variant"), "published, 1 thread");
+  EXPECT_NEAR(row.at("ratio").at("gtx560").get<double>(), 0.8 / 0.1642, 1e-9);
+  EXPECT_EQ(row.at("within_budget"), false);
+  EXPECT_EQ(tables.at("published").at(2).at("seconds").at(4).at(2), 0.0975);
+  EXPECT_EQ(tables.at("variants").at(0).at("caster"), "fixed_step");
+  EXPECT_EQ(tables.at("variants").at(0).at("resampling"), "multinomial_linear");
+  EXPECT_EQ(tables.at("variants").at(4).at("backend"), "cuda");
+
+  const Json scale = Json::parse(json_text(made_up(true)));
+  EXPECT_EQ(scale.at("mode"), "scale");
+  const Json& weight = scale.at("rows").at(0).at("stages").at("weight");
+  EXPECT_GT(weight.at("share").get<double>(), 0.9);
+  EXPECT_DOUBLE_EQ(weight.at("least_bytes").get<double>(), 20.0 * 1024);  // pose, and log-weight twice
+  EXPECT_TRUE(weight.at("least_bytes_per_s").is_number());
+  EXPECT_EQ(scale.at("largest").at(0).at("particles"), 16'777'216);
+  EXPECT_EQ(scale.at("largest").at(1).at("too_many"), 64);
+}
+
+// ---- whole measurements --------------------------------------------------------------------------------
+
+Plan small_plan() {
+  Plan plan;
+  plan.scenes = {"no_hit"};
+  plan.clouds = {Cloud::tracking};
+  plan.algorithms = {Algorithm::published, Algorithm::parloc};
+  plan.threads = 1;
+  plan.max_particles = 1000;
+  plan.max_beams = 100;
+  return plan;
+}
+
+TEST(Run, MeasuresEverySizeWithEveryVariant) {
+  Results results;
+  results.rules = rules_of(0.0, 1, 1);
+  measure_tables(small_plan(), {make_scene("no_hit", "")}, {}, results);
+  EXPECT_FALSE(results.interrupted);
+  EXPECT_TRUE(results.skipped.empty());
+  const std::size_t cpu_rows =
+      static_cast<std::size_t>(std::count_if(results.rows.begin(), results.rows.end(), [&](const Row& row) {
+        return results.variants[row.variant].backend == BackendChoice::cpu;
+      }));
+  EXPECT_EQ(cpu_rows, 2u * 2 * 2);  // 500 and 1000 particles, 50 and 100 beams, two algorithms
+  for (const Row& row : results.rows) {
+    EXPECT_GT(row.time.median_s, 0.0);
+    EXPECT_FALSE(results.backends[row.variant].empty());
+  }
+}
+
+TEST(Run, InterruptedKeepsWhatIsFinished) {
+  Results results;
+  results.rules = rules_of(0.0, 1, 1);
+  Control control;
+  control.stop = [&] { return results.rows.size() >= 3; };
+  measure_tables(small_plan(), {make_scene("no_hit", "")}, control, results);
+  EXPECT_TRUE(results.interrupted);
+  EXPECT_EQ(results.rows.size(), 3u);
+  EXPECT_EQ(Json::parse(json_text(results)).at("interrupted"), true);
+}
+
+TEST(Run, WithoutTimeLeftSaysWhatWasSkipped) {
+  Results results;
+  results.rules = rules_of(0.0, 1, 1);
+  Control control;
+  control.deadline = Clock::now();
+  measure_tables(small_plan(), {make_scene("no_hit", "")}, control, results);
+  EXPECT_TRUE(results.rows.empty());
+  ASSERT_GE(results.skipped.size(), 8u);
+  EXPECT_NE(results.skipped[0].why.find("time"), std::string::npos);
+  EXPECT_NE(results.skipped[0].what.find("500 x 50"), std::string::npos);
+}
+
+TEST(Run, ScaleMeasuresStagesAndTheLargest) {
+  Plan plan = small_plan();
+  plan.max_particles = 2000;
+  plan.threads = 2;
+  plan.quick = true;
+  Results results;
+  results.scale = true;
+  results.rules = rules_of(0.0, 1, 1);
+  measure_scale(plan, {make_scene("no_hit", "")}, {}, results);
+  const Place place{"no_hit", "tracking"};
+  for (const Sweep sweep : {Sweep::particles, Sweep::beams, Sweep::threads}) {
+    EXPECT_FALSE(results.variants_of(sweep, place).empty()) << kSweepNames[static_cast<int>(sweep)];
+  }
+  for (const Row& row : results.rows) EXPECT_TRUE(row.stages.has_value());
+  ASSERT_GE(results.largest.size(), 3u);
+  for (const Largest& l : results.largest) {
+    EXPECT_LE(l.particles, 2000);
+    EXPECT_TRUE(l.too_many > 0 || l.limit == "--max-particles") << l.limit;
+  }
+}
+
+TEST(Scale, SizesAreThoseOfTheDocumentation) {
+  Plan plan;
+  plan.max_particles = kMaxParticles;
+  plan.max_beams = 4096;
+  const auto sizes = scale_particles(plan);
+  ASSERT_EQ(sizes.size(), 8u);
+  EXPECT_EQ(sizes.front(), 1024);
+  EXPECT_EQ(sizes.back(), 16'777'216);
+  EXPECT_EQ(scale_beams(plan).front(), 50);
+  EXPECT_EQ(scale_beams(plan).back(), 1080);
+  EXPECT_EQ(scale_threads(2, false), (std::vector<int>{1, 2}));
+  EXPECT_EQ(scale_threads(16, false), (std::vector<int>{1, 2, 3, 4, 6, 8, 12, 16}));
+  EXPECT_EQ(scale_threads(10, false), (std::vector<int>{1, 2, 3, 4, 6, 8, 10}));
+  EXPECT_EQ(scale_threads(16, true), (std::vector<int>{1, 16}));
+}
+
+}  // namespace
+}  // namespace parloc::bench

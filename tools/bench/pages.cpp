@@ -1,0 +1,134 @@
+#include "tools/bench/pages.h"
+
+#include <fmt/format.h>
+
+#include <vector>
+
+#include "common/io/html_text.h"
+#include "common/io/report_parts.h"
+#include "tools/bench/plots.h"
+#include "tools/bench/tables.h"
+#include "tools/bench/xy_plot.h"
+
+namespace parloc::bench {
+namespace {
+
+constexpr std::size_t kTerminalWidth = 100;
+
+/// The tables of one scene and cloud: the gist, what everyone wants to see, and the rest.
+struct Tables {
+  std::vector<Table> gist, first, details;
+};
+
+Tables tables_of(const Results& r, const Place& place) {
+  Tables t;
+  const auto add = [](std::vector<Table>& to, Table table) {
+    if (!table.rows.empty()) to.push_back(std::move(table));
+  };
+  if (!r.scale) {
+    for (const PublishedTable& published : published_tables())
+      add(t.first, published_table(r, place, published));
+    add(t.gist, summary_table(r, place));
+    Table details = detail_table(r, place, Sweep::tables);
+    details.title = "Every time";
+    add(t.details, std::move(details));
+    return t;
+  }
+  Table particles = detail_table(r, place, Sweep::particles);
+  particles.title = "Particles";
+  add(t.first, std::move(particles));
+  for (std::size_t v = 0; v < r.variants.size(); ++v) add(t.first, stage_table(r, place, v));
+  add(t.first, beams_table(r, place));
+  add(t.first, threads_table(r, place));
+  add(t.gist, largest_table(r, place));
+  return t;
+}
+
+/// `text` in lines of at most `width` characters, broken at blanks; the second and later ones begin with
+/// `indent`.
+std::string wrapped(const std::string& text, std::size_t width, const std::string& indent) {
+  std::string out;
+  std::string line;
+  std::size_t at = 0;
+  while (at < text.size()) {
+    const std::size_t end = std::min(text.find(' ', at), text.size());
+    const std::string word = text.substr(at, end - at);
+    if (!line.empty() && line.find_first_not_of(' ') != std::string::npos &&
+        line.size() + 1 + word.size() > width) {
+      out += line + "\n";
+      line = indent + word;
+    } else {
+      line += (at == 0 ? "" : " ") + word;
+    }
+    at = end + 1;
+  }
+  return out + line + "\n";
+}
+
+}  // namespace
+
+std::string terminal_page(const Results& r) {
+  std::string text;
+  for (const auto& [name, value] : facts(r))
+    text += wrapped(fmt::format("{:<9}{}", name, value), kTerminalWidth, std::string(9, ' '));
+  for (const Place& place : r.places()) {
+    text += "\n" + wrapped("== " + heading(r, place), kTerminalWidth, "   ");
+    const Tables tables = tables_of(r, place);
+    for (const auto* part :
+         {&tables.first, &tables.gist})  // what is read first stands last, above the prompt
+      for (const Table& table : *part) text += "\n" + terminal_text(table, kTerminalWidth);
+  }
+  const std::vector<std::string> lines = remarks(r);
+  if (!lines.empty()) text += "\n";
+  for (const std::string& line : lines) text += wrapped("- " + line, kTerminalWidth, "  ");
+  return text + "\n";
+}
+
+std::string markdown_page(const Results& r) {
+  std::string text = fmt::format("# parloc bench{}\n\n", r.scale ? ": how it scales" : "");
+  text += fmt::format("Measured {} with `{}`.\n\n", r.date, r.command);
+  for (const auto& [name, value] : facts(r)) text += fmt::format("- {}: {}\n", name, value);
+  for (const std::string& line : remarks(r)) text += fmt::format("- **{}**\n", line);
+  for (const Place& place : r.places()) {
+    text += fmt::format("\n## {}\n", heading(r, place));
+    const Tables tables = tables_of(r, place);
+    for (const auto* part : {&tables.gist, &tables.first, &tables.details})
+      for (const Table& table : *part) text += "\n" + markdown_text(table);
+  }
+  return text;
+}
+
+std::string html_page(const Results& r) {
+  const std::string title =
+      r.scale ? "parloc bench: how it scales" : "parloc bench: beside the published times";
+  std::string html = fmt::format(
+      "<!DOCTYPE html>\n<html lang=\"en\"><head><meta charset=\"utf-8\"><meta name=\"viewport\" "
+      "content=\"width=device-width,initial-scale=1\"><title>{}</title><style>{}{}</style></"
+      "head><body>\n<h1>{}</h1>\n",
+      title, report_style(), bench_style(), title);
+  html +=
+      fmt::format("<p class=\"note\">{}</p><code>{}</code>\n", escape_html(r.date), escape_html(r.command));
+  const std::vector<std::string> lines = remarks(r);
+  if (!lines.empty()) {
+    html += "<div class=\"warning\"><ul>";
+    for (const std::string& line : lines) html += "<li>" + escape_html(line) + "</li>";
+    html += "</ul></div>\n";
+  }
+  for (const Place& place : r.places()) {
+    html += fmt::format("<h2>{}</h2>\n", escape_html(heading(r, place)));
+    html += r.scale ? scale_plots(r, place) : published_plots(r, place);
+    const Tables tables = tables_of(r, place);
+    for (const auto* part : {&tables.gist, &tables.first})
+      for (const Table& table : *part) html += html_text(table);
+    if (tables.details.empty()) continue;
+    html += "<details><summary>Every time with its quartiles and p99</summary>\n";
+    for (const Table& table : tables.details) html += html_text(table);
+    html += "</details>\n";
+  }
+  html += "<h2>How it was measured</h2>\n<table>";
+  for (const auto& [name, value] : facts(r))
+    html += fmt::format("<tr><th>{}</th><td>{}</td></tr>", escape_html(name), escape_html(value));
+  return html + "</table>\n</body></html>\n";
+}
+
+}  // namespace parloc::bench
