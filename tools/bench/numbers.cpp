@@ -33,6 +33,10 @@ std::string short_number(double value) {
   return significant(value, 3);
 }
 
+std::string size_text(std::int64_t particles, int beams) {
+  return fmt::format("{}x{}", particles, beams);
+}
+
 std::string grouped(std::int64_t number) {
   std::string text = std::to_string(number);
   for (std::size_t at = text.size(); at > 3 && text[at - 4] != '-'; at -= 3) text.insert(at - 3, ",");

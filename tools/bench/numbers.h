@@ -14,6 +14,8 @@ std::string seconds_text(double seconds);
 std::string milliseconds_text(double seconds);  ///< 3 digits.
 /// "68.9 M", "1.49 G": per second, or a number of particles.
 std::string short_number(double value);
+/// "4000x200".
+std::string size_text(std::int64_t particles, int beams);
 /// Whole numbers in groups: "16,777,216".
 std::string grouped(std::int64_t number);
 

@@ -6,6 +6,7 @@
 
 #include "common/io/html_text.h"
 #include "common/io/report_parts.h"
+#include "tools/bench/facts.h"
 #include "tools/bench/plots.h"
 #include "tools/bench/tables.h"
 #include "tools/bench/xy_plot.h"

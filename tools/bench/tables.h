@@ -1,9 +1,7 @@
-// The results as tables and as sentences: the same for the terminal, for Markdown and for the web page.
+// The results as tables: the same for the terminal, for Markdown and for the web page.
 #pragma once
 
 #include <string>
-#include <utility>
-#include <vector>
 
 #include "tools/bench/published.h"
 #include "tools/bench/results.h"
@@ -26,12 +24,5 @@ Table stage_table(const Results& results, const Place& place, std::size_t varian
 Table beams_table(const Results& results, const Place& place);
 Table threads_table(const Results& results, const Place& place);
 Table largest_table(const Results& results, const Place& place);
-
-/// What a reader must know: machine, build, sensor, what is inside the time, what the numbers are.
-std::vector<std::pair<std::string, std::string>> facts(const Results& results);
-/// What was not measured, and why; whether the run was interrupted.
-std::vector<std::string> remarks(const Results& results);
-/// "no_hit, cloud tracking (800 x 600 ...)".
-std::string heading(const Results& results, const Place& place);
 
 }  // namespace parloc::bench
