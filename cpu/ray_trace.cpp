@@ -222,8 +222,14 @@ class Tracer {
   template <int kVectors>
   HWY_INLINE void leap_all(Rays (&r)[kVectors]) {
     const VF reach = hn::Set(f32, reach_cells_);
-    for (int k = 0; k < kLeapsPerPass; ++k)
-      for (int f = 0; f < kVectors; ++f) leap(a_.map, r[f], reach);
+    for (int k = 0; k < kLeapsPerPass; ++k) {
+      MF any = hn::Lt(reach, reach);
+      for (int f = 0; f < kVectors; ++f) {
+        leap(a_.map, r[f], reach);
+        any = hn::Or(any, r[f].alive);
+      }
+      if (hn::AllFalse(f32, any)) break;
+    }
   }
   HWY_INLINE VF range(const Rays& r) const {
     const VF range = range_of(a_.map, r, hn::Set(f32, reach_cells_), hn::Set(f32, a_.beams.range_max_m));
@@ -370,6 +376,7 @@ void ray_trace(const RayTraceArgs& args, Workers& workers) {
     Travellers on;
     for (std::size_t i = begin; i < end; ++i) {
       const RayOrigin origin = ray_origin(args, i);
+      on.count = 0;
       trace_first(args, origin, 0, beams, row, on);
       trace_rest(args, origin, row, on);
       std::copy(row, row + beams, args.expected_m + i * beams);

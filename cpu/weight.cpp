@@ -98,6 +98,10 @@ bool trace_while_open(const WeightArgs& a, const Model& model, std::size_t i, co
     trace_first(a.rays, origin, 0, beams.count, row, on);
     return true;
   }
+  if (nothing_in_reach(a.rays, origin)) {
+    for (std::size_t m = 0; m < beams.count; ++m) row[m] = beams.range_max_m;
+    return true;
+  }
   std::int64_t most = 0;
   for (std::size_t first = 0; first < beams.count; first += kChunk) {
     const std::size_t last = first + kChunk < beams.count ? first + kChunk : beams.count;

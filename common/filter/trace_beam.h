@@ -17,6 +17,16 @@ PARLOC_HD RayOrigin ray_origin(const RayTraceArgs& a, std::size_t particle) {
   return {x * a.map.inv_resolution, y * a.map.inv_resolution, h.cos, h.sin};
 }
 
+/// Whether no ray of the particle can meet a wall within the maximum range; false if that is not known.
+PARLOC_HD bool nothing_in_reach(const RayTraceArgs& a, const RayOrigin& o) {
+  const bool inside = o.u >= 0.0f && o.v >= 0.0f && o.u < static_cast<float>(a.map.width) &&
+                      o.v < static_cast<float>(a.map.height);
+  if (!inside) return false;
+  const std::int32_t lines =
+      a.map.free_lines_at(static_cast<std::int32_t>(o.u), static_cast<std::int32_t>(o.v));
+  return static_cast<float>(lines - 1) > a.beams.range_max_m * a.map.inv_resolution;
+}
+
 /// Expected range [m] of one beam, at most range_max_m.
 PARLOC_HD float trace_beam(const RayTraceArgs& a, const RayOrigin& o, std::size_t beam) {
   const float range_max_m = a.beams.range_max_m;

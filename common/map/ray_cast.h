@@ -29,6 +29,11 @@ struct RayMap {
   PARLOC_HD std::int32_t skip_at(std::int32_t i, std::int32_t j) const {
     return skip[static_cast<std::int64_t>(j) * stride + i];
   }
+  /// Lines that a ray of any direction crosses from the cell before it can meet a blocking cell.
+  PARLOC_HD std::int32_t free_lines_at(std::int32_t i, std::int32_t j) const {
+    return skip[(skip_plane > 0 ? kSectors : 0) * static_cast<std::int64_t>(skip_plane) +
+                static_cast<std::int64_t>(j) * stride + i];
+  }
   PARLOC_HD bool contains(std::int32_t i, std::int32_t j) const {
     return i >= 0 && j >= 0 && i < width && j < height;
   }

@@ -159,14 +159,14 @@ SkipField skip_field(const std::uint8_t* blocks, std::int32_t width, std::int32_
   check(width, height);
   const std::size_t plane = (static_cast<std::size_t>(width) + 2) * (static_cast<std::size_t>(height) + 2);
   SkipField field;
-  if (plane * kSectors > most_bytes) {
+  if (plane * (kSectors + 1) > most_bytes) {
     field.lines.assign(plane + kSkipFieldTail, 0);
     chebyshev_distances(blocks, width, height, field.lines.data() + width + 3);
     lines_of_distances(field.lines);
     return field;
   }
   field.plane = static_cast<std::int32_t>(plane);
-  field.lines.assign(plane * kSectors + kSkipFieldTail, 0);
+  field.lines.assign(plane * (kSectors + 1) + kSkipFieldTail, 0);
   for (std::int32_t octant = 0; octant < 8; ++octant) {
     const bool steep = (octant & 4) != 0;
     const std::int32_t main_size = steep ? height : width, other_size = steep ? width : height;
@@ -174,6 +174,12 @@ SkipField skip_field(const std::uint8_t* blocks, std::int32_t width, std::int32_
     for (std::int32_t part = 0; part < kSlopes; ++part)
       fill_sector(columns, Rows(part), main_size, other_size, view_of(octant, width, height, 1),
                   field.lines.data() + plane * static_cast<std::size_t>(octant * kSlopes + part));
+  }
+  std::uint8_t* all = field.lines.data() + plane * kSectors;
+  std::copy_n(field.lines.data(), plane, all);
+  for (std::size_t s = 1; s < kSectors; ++s) {
+    const std::uint8_t* sector = field.lines.data() + plane * s;
+    for (std::size_t c = 0; c < plane; ++c) all[c] = least(all[c], sector[c]);
   }
   return field;
 }

@@ -36,6 +36,7 @@ PARLOC_HD std::int32_t sector_of(std::int32_t octant, float slope) {
 }
 
 struct SkipField {
+  /// By sector kSectors + 1 planes, the last of which has the least of the others, else one plane.
   /// Planes of (width + 2) x (height + 2) bytes: the grid with a ring of zeros around it, row-major, cell (i,
   /// j) at (j + 1) * (width + 2) + (i + 1); then the tail. 0 on blocking cells and the ring. Elsewhere the
   /// number of lines, 1 to 255; 1 promises nothing beyond the cell itself.

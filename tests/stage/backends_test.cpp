@@ -208,6 +208,33 @@ TEST(References, TheSkippingCasterGivesTheRangesOfDda) {
   expect_same(with(RayCaster::skip), with(RayCaster::dda));
 }
 
+// Most particles have no wall in reach, which the skipping caster sees at once; some have.
+TEST(References, AnEmptyPlaceIsWeighedAsByDda) {
+  std::vector<std::string> rows(160, std::string(160, '.'));
+  for (std::size_t j = 0; j < 160; ++j) rows[j].replace(0, 3, "###");
+  const GridMap map = grid_from_text(rows, 0.05);
+  Scan scan = fan(120);
+  scan.range_max_m = 1.5;
+  const auto weights = [&](RayCaster caster, SensorModel model) {
+    BackendConfig c;
+    c.particles = 2000;
+    c.sensor = default_sensor(model);
+    c.sensor.caster = caster;
+    BeamTable beams;
+    BeamCounts counts;
+    select_beams(scan, ScanConfig{}, c.sensor, map.resolution_m, beams, counts);
+    const auto backend = make_cpu_backend(c);
+    backend->set_map(map);
+    backend->upload(uniform_start(map, c.particles, 3));
+    backend->set_scan(beams);
+    backend->weight(true);
+    backend->normalise_scan();
+    return backend->weights();
+  };
+  for (const SensorModel model : {SensorModel::gaussian, SensorModel::beam})
+    EXPECT_EQ(weights(RayCaster::skip, model), weights(RayCaster::dda, model));
+}
+
 TEST(References, MultinomialBisectionEqualsTheLinearSearch) {
   const auto with = [](ResampleScheme scheme) {
     return cpu_run(SensorModel::likelihood_field, RayCaster::skip, scheme, 1000);

@@ -93,7 +93,7 @@ TEST(SkipField, IsZeroOnWallsTheRingAndTheTail) {
   const GridMap grid = pillars(4);
   for (const bool by_sector : {true, false}) {
     const Field field(grid, by_sector);
-    const std::size_t planes = by_sector ? kSectors : 1, plane = 55 * 39;
+    const std::size_t planes = by_sector ? kSectors + 1 : 1, plane = 55 * 39;
     ASSERT_EQ(field.skip.lines.size(), planes * plane + kSkipFieldTail);
     for (std::size_t p = 0; p < planes; ++p) {
       for (std::int32_t j = -1; j <= grid.height; ++j) {
@@ -105,6 +105,19 @@ TEST(SkipField, IsZeroOnWallsTheRingAndTheTail) {
               << i << " " << j;
         }
       }
+    }
+  }
+}
+
+TEST(SkipField, KnowsTheLeastOfAllSectors) {
+  const GridMap grid = pillars(6);
+  const Field field(grid, true);
+  for (std::int32_t j = 0; j < grid.height; ++j) {
+    for (std::int32_t i = 0; i < grid.width; ++i) {
+      int least = 255;
+      for (std::int32_t s = 0; s < kSectors; ++s)
+        least = std::min<int>(least, field.map.skip[s * field.map.skip_plane + j * field.map.stride + i]);
+      ASSERT_EQ(field.map.free_lines_at(i, j), least) << i << " " << j;
     }
   }
 }

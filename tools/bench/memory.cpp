@@ -76,7 +76,8 @@ std::uint64_t needed_bytes(const Variant& variant, std::int64_t particles) {
   constexpr std::uint64_t kPose = 4 * sizeof(float), kMapTables = 64 << 20;
   const std::uint64_t cloud = n * kPose;
   if (variant.backend == BackendChoice::cuda) return 2 * cloud + kMapTables;  // the rest is the device's
-  const std::uint64_t particle_arrays = n * (7 * sizeof(float) + 2 * sizeof(std::uint64_t) + 3 * sizeof(std::uint32_t));
+  const std::uint64_t particle_arrays =
+      n * (7 * sizeof(float) + 2 * sizeof(std::uint64_t) + 3 * sizeof(std::uint32_t));
   const std::uint64_t bins = std::bit_ceil(2 * n) * (2 * sizeof(std::uint64_t) + sizeof(std::uint32_t));
   return cloud + particle_arrays + bins + kMapTables;  // as cpu/backend.cpp allocates
 }
