@@ -22,8 +22,9 @@ struct Poses {
   explicit Poses(std::size_t n) : x(n), y(n), theta(n) {}
 };
 
-/// Skip fields by sector are worth their memory while they are near the caches' size.
-constexpr std::size_t kMostSkipBytes = std::size_t{64} << 20;
+/// 4 M cells, 100 x 100 m at 5 cm. By sector is worth it even out of the caches: 13 times on the office floor
+/// (25 MB).
+constexpr std::size_t kMostSkipBytes = std::size_t{128} << 20;
 
 class CpuBackend final : public Backend {
  public:

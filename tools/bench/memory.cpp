@@ -73,7 +73,7 @@ std::optional<std::uint64_t> available_bytes() {
 
 std::uint64_t needed_bytes(const Variant& variant, std::int64_t particles) {
   const auto n = static_cast<std::uint64_t>(particles);
-  constexpr std::uint64_t kPose = 4 * sizeof(float), kMapTables = 64 << 20;
+  constexpr std::uint64_t kPose = 4 * sizeof(float), kMapTables = 128 << 20;
   const std::uint64_t cloud = n * kPose;
   if (variant.backend == BackendChoice::cuda) return 2 * cloud + kMapTables;  // the rest is the device's
   const std::uint64_t particle_arrays =
