@@ -289,9 +289,7 @@ class Tracer {
 
 void skip_first(const RayTraceArgs& a, const RayOrigin& o, std::size_t first, std::size_t last,
                 float* expected_m, Travellers& on) {
-  const bool inside = o.u >= 0.0f && o.v >= 0.0f && o.u < static_cast<float>(a.map.width) &&
-                      o.v < static_cast<float>(a.map.height);
-  if (!inside) {  // rare: a particle off the map
+  if (!a.map.contains_point(o.u, o.v)) {  // rare: a particle off the map
     for (std::size_t m = first; m < last; ++m) expected_m[m] = trace_beam(a, o, m);
     return;
   }
@@ -332,8 +330,7 @@ HWY_INLINE float march_ray(const RayMap& map, const Ray& ray, float reach_cells,
 
 void march(const RayTraceArgs& a, const RayOrigin& o, std::size_t first, std::size_t last,
            float* expected_m) {
-  const bool inside = o.u >= 0.0f && o.v >= 0.0f && o.u < static_cast<float>(a.map.width) &&
-                      o.v < static_cast<float>(a.map.height);
+  const bool inside = a.map.contains_point(o.u, o.v);
   const float range_max_m = a.beams.range_max_m, reach_cells = range_max_m * a.map.inv_resolution;
   for (std::size_t m = first; m < last; ++m) {
     const Ray ray = beam_ray(o.u, o.v, o.c, o.s, a.beams.direction_x[m], a.beams.direction_y[m]);

@@ -19,9 +19,7 @@ PARLOC_HD RayOrigin ray_origin(const RayTraceArgs& a, std::size_t particle) {
 
 /// Whether no ray of the particle can meet a wall within the maximum range; false if that is not known.
 PARLOC_HD bool nothing_in_reach(const RayTraceArgs& a, const RayOrigin& o) {
-  const bool inside = o.u >= 0.0f && o.v >= 0.0f && o.u < static_cast<float>(a.map.width) &&
-                      o.v < static_cast<float>(a.map.height);
-  if (!inside) return false;
+  if (!a.map.contains_point(o.u, o.v)) return false;
   const std::int32_t lines =
       a.map.free_lines_at(static_cast<std::int32_t>(o.u), static_cast<std::int32_t>(o.v));
   return static_cast<float>(lines - 1) > a.beams.range_max_m * a.map.inv_resolution;

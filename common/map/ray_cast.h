@@ -34,6 +34,9 @@ struct RayMap {
     return skip[(skip_plane > 0 ? kSectors : 0) * static_cast<std::int64_t>(skip_plane) +
                 static_cast<std::int64_t>(j) * stride + i];
   }
+  PARLOC_HD bool contains_point(float u, float v) const {  // [cells]
+    return u >= 0.0f && v >= 0.0f && u < static_cast<float>(width) && v < static_cast<float>(height);
+  }
   PARLOC_HD bool contains(std::int32_t i, std::int32_t j) const {
     return i >= 0 && j >= 0 && i < width && j < height;
   }
@@ -204,9 +207,7 @@ PARLOC_HD float cast_fixed_step_anywhere(const RayMap& m, const Ray& r, float re
 /// range_max_m. Approximate: up to a step too long, and chords shorter than a step are missed.
 PARLOC_HD float cast_fixed_step(const RayMap& m, const Ray& r, float reach_cells, float step_cells,
                                 float range_max_m) {
-  const bool inside =
-      r.u >= 0.0f && r.v >= 0.0f && r.u < static_cast<float>(m.width) && r.v < static_cast<float>(m.height);
-  if (!inside || step_cells > 1.0f)
+  if (!m.contains_point(r.u, r.v) || step_cells > 1.0f)
     return cast_fixed_step_anywhere(m, r, reach_cells, step_cells, range_max_m);
   // Steps of at most a cell meet the ring before they are beyond it, so one look-up per step is all.
   // Coordinates from the ring's corner are never negative, so truncation is floor.

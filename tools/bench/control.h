@@ -10,6 +10,10 @@ namespace parloc::bench {
 
 using Clock = std::chrono::steady_clock;
 
+inline double seconds_since(Clock::time_point start) {
+  return std::chrono::duration<double>(Clock::now() - start).count();
+}
+
 /// All members may be empty.
 struct Control {
   std::function<bool()> stop;                              ///< True: end now, keep what is done.

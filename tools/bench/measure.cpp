@@ -8,10 +8,6 @@ namespace {
 
 constexpr int kFewSteps = 3;
 
-double seconds_since(Clock::time_point begun) {
-  return std::chrono::duration<double>(Clock::now() - begun).count();
-}
-
 /// False if asked to stop.
 bool warm_up(const std::function<double()>& step, const TimingRules& rules, const Control& control) {
   const Clock::time_point begun = Clock::now();

@@ -5,10 +5,6 @@
 namespace parloc::bench {
 namespace {
 
-double seconds_between(Clock::time_point from, Clock::time_point to) {
-  return std::chrono::duration<double>(to - from).count();
-}
-
 /// The noise of configs/paz2012.yaml.
 MotionConfig motion_config() {
   MotionConfig config;
@@ -77,7 +73,7 @@ double Rig::step_seconds() {
   backend_->estimate();
   backend_->resample({1, step_});
   last_ = backend_->finish();
-  return seconds_between(begun, Clock::now());
+  return seconds_since(begun);
 }
 
 StageSeconds Rig::stage_seconds() {
@@ -88,7 +84,7 @@ StageSeconds Rig::stage_seconds() {
     const Clock::time_point begun = Clock::now();
     work();
     last_ = backend_->finish();
-    seconds[stage++] = seconds_between(begun, Clock::now());
+    seconds[stage++] = seconds_since(begun);
   };
   time([&] { backend_->predict(motion(), {1, step_}); });
   time([&] {
