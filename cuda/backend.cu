@@ -1,6 +1,7 @@
 #include "common/filter/backend.h"
 
 #include <bit>
+#include <map>
 
 #include "common/filter/bind.h"
 #include "common/filter/bins.h"
@@ -21,11 +22,23 @@ struct Poses {
   }
 };
 
+/// What has been asked for and not yet been started, as a sum; the stages run in this order.
+enum Stage : unsigned {
+  kPredict = 1,
+  kWeight = 2,
+  kWeightUnfused = 4,
+  kNormalise = 8,
+  kEstimate = 16,
+  kResample = 32,
+};
+
 int selected(int device) {
   select_device(device);
   return device;
 }
 
+/// Stages are only noted when they are asked for; finish() starts them all, as one graph once the same step
+/// has been seen before.
 class CudaBackend final : public Backend {
  public:
   CudaBackend(const BackendConfig& config, std::string device_name)
@@ -51,18 +64,24 @@ class CudaBackend final : public Backend {
              bin_used_.data(), bins_used_.data(),  bins_.capacity};
     clear_all_bins(bins_, stream_);
     state_.from_host({StepState{}}, stream_);
+    state_up_.reserve(1);
     if (config.resample.scheme == ResampleScheme::residual) {
       offspring_sum_.reserve(count_);
       remainder_sum_.reserve(count_);
     }
     synchronise(stream_);
   }
-  ~CudaBackend() override { free_stream(stream_); }
+  ~CudaBackend() override {
+    steps_.clear();
+    free_stream(stream_);
+  }
 
   std::string name() const override { return "cuda (" + device_name_ + ")"; }
 
   void set_map(const GridMap& map) override {
     use_device();
+    run_planned();
+    steps_.clear();  // they know the old map's place
     map_ = map;
     const bool field = config_.sensor.model == SensorModel::likelihood_field;
     const std::vector<std::uint8_t> blocks = blocking_cells(map, !field && config_.sensor.unknown_blocks);
@@ -83,6 +102,7 @@ class CudaBackend final : public Backend {
   void set_range_max(double range_max_m) override {
     if (config_.sensor.model != SensorModel::likelihood_field) return;
     use_device();
+    run_planned();
     field_.reserve((static_cast<std::size_t>(map_.width) + 2) * (static_cast<std::size_t>(map_.height) + 2));
     likelihood_table(squared_distance_.data(), map_.width, map_.height,
                      bind_distance(config_.sensor, map_.resolution_m, range_max_m), field_.data(), stream_);
@@ -90,6 +110,7 @@ class CudaBackend final : public Backend {
 
   void upload(const ParticleSet& p) override {
     use_device();
+    run_planned();
     a_.x.from_host(p.x, stream_);
     a_.y.from_host(p.y, stream_);
     a_.theta.from_host(p.theta, stream_);
@@ -98,80 +119,130 @@ class CudaBackend final : public Backend {
     now_ = &a_, other_ = &b_;
   }
   ParticleSet download() const override {
+    expect_finished();
     return {now_->x.to_host(count_, stream_), now_->y.to_host(count_, stream_),
             now_->theta.to_host(count_, stream_), log_weight_.to_host(count_, stream_)};
   }
 
   void predict(const MotionStep& motion, RandomKey key) override {
-    use_device();
-    PARLOC_CUDA_NAMESPACE::predict({view(*now_), motion, key}, stream_);
+    plan(kPredict);
+    use_key(key);
+    input_.host().motion = motion;
   }
 
   void set_scan(const BeamTable& t) override {
     use_device();
-    host_beams_ = t;  // stays alive until finish(): the copies below are asynchronous
-    direction_x_.from_host(host_beams_.direction_x, stream_);
-    direction_y_.from_host(host_beams_.direction_y, stream_);
-    range_m_.from_host(host_beams_.range_m, stream_);
-    short_density_.from_host(host_beams_.short_density, stream_);
-    end_x_.from_host(host_beams_.end_x, stream_);
-    end_y_.from_host(host_beams_.end_y, stream_);
+    if (planned_ >= kWeight) run_planned();
+    input_.host().censored = bind_censored(config_.sensor, t.range_max_m);
+    if (input_.set_scan(t)) steps_.clear();  // they know the arrays' old place
   }
 
   std::vector<float> ray_trace() override {
-    use_device();
+    run_planned();
+    reserve_expected();
+    input_.copy_to_device(stream_);
     trace();
-    return expected_m_.to_host(count_ * host_beams_.count, stream_);
+    return expected_m_.to_host(count_ * input_.host().beams, stream_);
   }
 
   void weight(bool fused) override {
-    use_device();
     const bool stored = !fused && config_.sensor.model != SensorModel::likelihood_field;
-    if (stored) trace();
-    RayTraceArgs rays = ray_args();
-    rays.expected_m = stored ? expected_m_.data() : nullptr;
-    PARLOC_CUDA_NAMESPACE::weight(bind_weight(rays, bind_field(field_.data(), map_), config_.sensor),
-                                  stream_);
+    plan(stored ? kWeightUnfused : kWeight);
+    if (stored) reserve_expected();
   }
-
-  void normalise_scan() override {
-    use_device();
-    PARLOC_CUDA_NAMESPACE::normalise_scan(
-        bind_normalise(view(*now_), weights_view(), config_.resample, state_.data()), scratch_, stream_);
-  }
-  void estimate() override {
-    use_device();
-    PARLOC_CUDA_NAMESPACE::estimate(view(*now_), weights_view(), bins_, state_.data(), scratch_, stream_);
-  }
+  void normalise_scan() override { plan(kNormalise); }
+  void estimate() override { plan(kEstimate); }
   void resample(RandomKey key) override {
-    use_device();
-    PARLOC_CUDA_NAMESPACE::resample(
-        {view(*now_), view(*other_), weights_view(), config_.resample.scheme, key, state_.data(),
-         ancestor_.data(), offspring_sum_.data(), remainder_sum_.data()},
-        scratch_, stream_);
-    std::swap(now_, other_);
+    plan(kResample);
+    use_key(key);
   }
 
-  StepState finish() override { return state_.to_host(1, stream_)[0]; }
-  std::vector<std::uint64_t> weights() const override { return weight_.to_host(count_, stream_); }
-  std::vector<std::uint64_t> cumulative() const override { return cumulative_.to_host(count_, stream_); }
-  std::vector<std::uint32_t> ancestors() const override { return ancestor_.to_host(count_, stream_); }
+  StepState finish() override {
+    run_planned();
+    return *state_up_.data();
+  }
+  std::vector<std::uint64_t> weights() const override { return read(weight_); }
+  std::vector<std::uint64_t> cumulative() const override { return read(cumulative_); }
+  std::vector<std::uint32_t> ancestors() const override { return read(ancestor_); }
 
  private:
   /// A thread may drive several filters, each on its own device.
   void use_device() const { select_device(device_); }
+
+  void plan(Stage stage) {
+    if (planned_ >= stage) run_planned();  // not in a step's order
+    planned_ |= stage;
+  }
+  void use_key(RandomKey key) {
+    RandomKey& used = input_.host().key;
+    const unsigned asking = std::bit_floor(planned_);
+    if (planned_ != asking && (used.seed != key.seed || used.step != key.step)) {
+      planned_ -= asking;
+      run_planned();
+      planned_ = asking;
+    }
+    used = key;
+  }
+
+  void run_planned() {
+    if (planned_ == 0) return;
+    use_device();
+    const unsigned which_poses = now_ == &a_ ? 0 : 2 * kResample;
+    steps_[planned_ + which_poses].run(stream_, [this] { start_stages(); });
+    synchronise(stream_);
+    if ((planned_ & kResample) != 0) std::swap(now_, other_);
+    planned_ = 0;
+  }
+
+  /// Everything that differs from the last such step is in input_, so this may be recorded.
+  void start_stages() {
+    namespace stage = PARLOC_CUDA_NAMESPACE;
+    const auto asked = [this](Stage s) { return (planned_ & s) != 0; };
+    input_.copy_to_device(stream_);
+    if (asked(kPredict)) stage::predict(view(*now_), input_.device(), stream_);
+    if (asked(kWeightUnfused)) trace();
+    if (asked(kWeight) || asked(kWeightUnfused)) {
+      RayTraceArgs rays = ray_args();
+      rays.expected_m = asked(kWeightUnfused) ? expected_m_.data() : nullptr;
+      const LikelihoodField field = bind_field(field_.data(), map_);
+      stage::weight(bind_weight(rays, field, config_.sensor), input_.device(), stream_);
+    }
+    if (asked(kNormalise))
+      stage::normalise_scan(bind_normalise(view(*now_), weights_view(), config_.resample, state_.data()),
+                            scratch_, stream_);
+    if (asked(kEstimate))
+      stage::estimate(view(*now_), weights_view(), bins_, state_.data(), scratch_, stream_);
+    if (asked(kResample)) stage::resample(resample_args(), input_.device(), scratch_, stream_);
+    copy_up(state_up_.data(), state_.data(), sizeof(StepState), stream_);
+  }
+
+  void expect_finished() const {
+    if (planned_ != 0) throw Error(ErrorKind::internal, "Backend: expected finish() before reading results");
+  }
+  template <class T>
+  std::vector<T> read(const DeviceBuffer<T>& buffer) const {
+    expect_finished();
+    use_device();
+    return buffer.to_host(count_, stream_);
+  }
+
+  void reserve_expected() {
+    use_device();
+    const std::size_t size = count_ * input_.host().beams;
+    if (size > expected_m_.size()) steps_.clear();  // they know the old place
+    expected_m_.reserve(size);
+  }
   void trace() {
-    expected_m_.reserve(count_ * host_beams_.count);
     RayTraceArgs args = ray_args();
     args.expected_m = expected_m_.data();
-    PARLOC_CUDA_NAMESPACE::ray_trace(args, stream_);
+    PARLOC_CUDA_NAMESPACE::ray_trace(args, input_.device(), stream_);
   }
-  RayTraceArgs ray_args() const {
-    const Beams beams{direction_x_.data(),   direction_y_.data(), range_m_.data(),
-                      short_density_.data(), end_x_.data(),       end_y_.data(),
-                      host_beams_.count,     host_beams_.hits,    host_beams_.range_max_m,
-                      host_beams_.sensor_x,  host_beams_.sensor_y};
-    return bind_rays(view(*now_), bind_ray_map(skip_.data(), 0, map_), beams, config_.sensor);
+  RayTraceArgs ray_args() {
+    return bind_rays(view(*now_), bind_ray_map(skip_.data(), 0, map_), input_.beams(), config_.sensor);
+  }
+  ResampleArgs resample_args() const {
+    return {view(*now_),   view(*other_),    weights_view(),        config_.resample.scheme, {},
+            state_.data(), ancestor_.data(), offspring_sum_.data(), remainder_sum_.data()};
   }
   /// Log-weights stay in their slots, so that one array serves both buffers of poses.
   Particles view(const Poses& p) const {
@@ -189,8 +260,8 @@ class CudaBackend final : public Backend {
   DeviceBuffer<std::uint32_t> squared_distance_;
   DeviceBuffer<std::uint8_t> skip_;
   DeviceBuffer<float> field_;
-  BeamTable host_beams_;
-  DeviceBuffer<float> direction_x_, direction_y_, range_m_, short_density_, end_x_, end_y_, expected_m_;
+  StepInputBuffer input_;
+  DeviceBuffer<float> expected_m_;  // unfused reference only
   Poses a_, b_;
   DeviceBuffer<float> log_weight_;
   Poses *now_ = &a_, *other_ = &b_;
@@ -200,6 +271,9 @@ class CudaBackend final : public Backend {
   DeviceBuffer<std::uint64_t> bin_key_, bin_weight_, bins_used_;
   DeviceBuffer<std::uint32_t> bin_parent_, bin_slot_, bin_used_;
   DeviceBuffer<StepState> state_;
+  HostBuffer<StepState> state_up_;
+  unsigned planned_ = 0;                // sum of Stage
+  std::map<unsigned, Repeated> steps_;  // by planned_ and by which poses are the current ones
 };
 
 }  // namespace

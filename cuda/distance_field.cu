@@ -1,5 +1,8 @@
 #include "cuda/distance_field.h"
 
+#include "cuda/launch.h"
+#include "cuda/memory.h"
+
 namespace parloc::PARLOC_CUDA_NAMESPACE {
 namespace {
 

@@ -1,5 +1,7 @@
 #include "cuda/likelihood_field.h"
 
+#include "cuda/launch.h"
+
 namespace parloc::PARLOC_CUDA_NAMESPACE {
 namespace {
 

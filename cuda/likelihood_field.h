@@ -4,7 +4,7 @@
 #include <cstdint>
 
 #include "common/model/likelihood_field.h"
-#include "cuda/launch.h"
+#include "cuda/stream.h"
 
 namespace parloc::PARLOC_CUDA_NAMESPACE {
 

@@ -91,9 +91,11 @@ void inclusive_scan(const std::uint64_t* in, std::uint64_t* out, std::size_t cou
       cub::DeviceScan::InclusiveSum(scratch.scan.data(), bytes, in, out, static_cast<int>(count), stream),
       "scanning weights");
 #else
-  (void)scratch, (void)stream;
-  std::uint64_t sum = 0;
-  for (std::size_t i = 0; i < count; ++i) out[i] = (sum += in[i]);
+  (void)scratch;
+  submit(stream, [=] {
+    std::uint64_t sum = 0;
+    for (std::size_t i = 0; i < count; ++i) out[i] = (sum += in[i]);
+  });
 #endif
 }
 

@@ -4,18 +4,20 @@ namespace parloc::PARLOC_CUDA_NAMESPACE {
 namespace {
 
 struct Predict {
-  PredictArgs a;
+  Particles p;
+  const StepInput* input;
   PARLOC_HD void operator()(const Thread& me) const {
-    for (std::size_t i = me.first(); i < a.particles.count; i += me.stride())
-      predict_one(a.particles.x[i], a.particles.y[i], a.particles.theta[i], a.motion,
-                  static_cast<std::uint32_t>(i), a.key.step, a.key.seed);
+    const MotionStep motion = input->motion;
+    const RandomKey key = input->key;
+    for (std::size_t i = me.first(); i < p.count; i += me.stride())
+      predict_one(p.x[i], p.y[i], p.theta[i], motion, static_cast<std::uint32_t>(i), key.step, key.seed);
   }
 };
 
 }  // namespace
 
-void predict(const PredictArgs& args, Stream stream) {
-  launch(Predict{args}, blocks_for(args.particles.count), stream);
+void predict(const Particles& particles, const StepInput* input, Stream stream) {
+  launch(Predict{particles, input}, blocks_for(particles.count), stream);
 }
 
 }  // namespace parloc::PARLOC_CUDA_NAMESPACE

@@ -5,8 +5,10 @@ namespace parloc::PARLOC_CUDA_NAMESPACE {
 namespace {
 
 struct RayTrace {  // one thread per ray, adjacent threads adjacent beams
-  RayTraceArgs a;
+  RayTraceArgs args;
+  const StepInput* input;
   PARLOC_HD void operator()(const Thread& me) const {
+    const RayTraceArgs a = with_scan(args, *input);
     const std::size_t beams = a.beams.count;
     for (std::size_t r = me.first(); r < a.particles.count * beams; r += me.stride()) {
       a.expected_m[r] = trace_beam(a, ray_origin(a, r / beams), r % beams);
@@ -16,8 +18,8 @@ struct RayTrace {  // one thread per ray, adjacent threads adjacent beams
 
 }  // namespace
 
-void ray_trace(const RayTraceArgs& args, Stream stream) {
-  launch(RayTrace{args}, blocks_for(args.particles.count * args.beams.count), stream);
+void ray_trace(const RayTraceArgs& args, const StepInput* input, Stream stream) {
+  launch(RayTrace{args, input}, blocks_for(args.particles.count * args.beams.count), stream);
 }
 
 }  // namespace parloc::PARLOC_CUDA_NAMESPACE

@@ -18,8 +18,11 @@ struct ResidualCounts {
 };
 
 struct Gather {
-  ResampleArgs a;
+  ResampleArgs args;
+  const StepInput* input;
   PARLOC_HD void operator()(const Thread& me) const {
+    ResampleArgs a = args;
+    a.key = input->key;
     for (std::size_t j = me.first(); j < a.from.count; j += me.stride()) {
       const std::uint32_t from = ancestor_of(a, j);
       a.ancestor[j] = from;
@@ -30,13 +33,13 @@ struct Gather {
 
 }  // namespace
 
-void resample(const ResampleArgs& a, Scratch& scratch, Stream stream) {
+void resample(const ResampleArgs& a, const StepInput* input, Scratch& scratch, Stream stream) {
   if (a.scheme == ResampleScheme::residual) {
     launch(ResidualCounts{a}, blocks_for(a.from.count), stream);
     inclusive_scan(a.offspring_sum, a.offspring_sum, a.from.count, scratch, stream);
     inclusive_scan(a.remainder_sum, a.remainder_sum, a.from.count, scratch, stream);
   }
-  launch(Gather{a}, blocks_for(a.from.count), stream);
+  launch(Gather{a, input}, blocks_for(a.from.count), stream);
 }
 
 }  // namespace parloc::PARLOC_CUDA_NAMESPACE

@@ -1,9 +1,13 @@
-// The six stages as kernels; contract in common/filter/stages.h. All are asynchronous on `stream`.
+// The six stages as kernels; contract in common/filter/stages.h. All are asynchronous on `stream` and can be
+// recorded: what changes from step to step (motion, random key, scan) they read from `input`, in device
+// memory, and not from their arguments.
 #pragma once
 
 #include "common/filter/bins.h"
 #include "common/filter/stages.h"
 #include "cuda/launch.h"
+#include "cuda/memory.h"
+#include "cuda/step_input.h"
 
 namespace parloc::PARLOC_CUDA_NAMESPACE {
 
@@ -15,13 +19,13 @@ struct Scratch {
   void reserve(std::size_t particles);
 };
 
-void predict(const PredictArgs& args, Stream stream);
-void ray_trace(const RayTraceArgs& args, Stream stream);
-void weight(const WeightArgs& args, Stream stream);
+void predict(const Particles& particles, const StepInput* input, Stream stream);
+void ray_trace(const RayTraceArgs& args, const StepInput* input, Stream stream);
+void weight(const WeightArgs& args, const StepInput* input, Stream stream);
 void normalise_scan(const NormaliseArgs& args, Scratch& scratch, Stream stream);
 void estimate(const Particles& particles, const Weights& weights, const BinTable& bins, StepState* state,
               Scratch& scratch, Stream stream);
-void resample(const ResampleArgs& args, Scratch& scratch, Stream stream);
+void resample(const ResampleArgs& args, const StepInput* input, Scratch& scratch, Stream stream);
 
 /// Makes a new table empty; estimate() leaves it so.
 void clear_all_bins(const BinTable& bins, Stream stream);

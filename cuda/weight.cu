@@ -51,27 +51,35 @@ struct WeightGroup {  // a block weighs kParticlesPerBlock particles
     std::uint64_t sum[kParticlesPerBlock];
   };
   static constexpr int kPhases = 3;
-  WeightArgs a;
+  WeightArgs args;
+  const StepInput* input;
   std::size_t first;  // particle of block 0
   PARLOC_HD void operator()(const Thread& me, int phase, Shared& shared) const {
     const unsigned slot = me.thread / kLanes, lane = me.thread % kLanes;
     const std::size_t i = first + std::size_t{me.block} * kParticlesPerBlock + slot;
     if (phase == 0 && lane == 0) shared.sum[slot] = 0;
-    if (i >= a.rays.particles.count) return;
-    if (phase == 1) atomic_add(&shared.sum[slot], static_cast<std::uint64_t>(lane_sum(a, i, lane)));
+    if (i >= args.rays.particles.count) return;
+    if (phase == 1) atomic_add(&shared.sum[slot], static_cast<std::uint64_t>(lane_sum(now(), i, lane)));
+    float& log_weight = args.rays.particles.log_weight[i];
     if (phase == 2 && lane == 0)
-      a.rays.particles.log_weight[i] = tempered_log_weight(
-          a.rays.particles.log_weight[i], static_cast<std::int64_t>(shared.sum[slot]), a.tempering);
+      log_weight =
+          tempered_log_weight(log_weight, static_cast<std::int64_t>(shared.sum[slot]), args.tempering);
+  }
+  PARLOC_HD WeightArgs now() const {
+    WeightArgs a = args;
+    a.rays = with_scan(args.rays, *input);
+    a.censored = input->censored;
+    return a;
   }
 };
 
 }  // namespace
 
-void weight(const WeightArgs& args, Stream stream) {
+void weight(const WeightArgs& args, const StepInput* input, Stream stream) {
   constexpr std::size_t kPerLaunch = std::size_t{kMaxBlocks} * kParticlesPerBlock;
   for (std::size_t first = 0; first < args.rays.particles.count; first += kPerLaunch) {
     const std::size_t here = std::min(kPerLaunch, args.rays.particles.count - first);
-    launch(WeightGroup{args, first},
+    launch(WeightGroup{args, input, first},
            static_cast<unsigned>((here + kParticlesPerBlock - 1) / kParticlesPerBlock), stream);
   }
 }

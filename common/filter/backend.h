@@ -40,7 +40,7 @@ class Backend {
   /// changes.
   virtual void set_range_max(double range_max_m) = 0;
   virtual void upload(const ParticleSet& particles) = 0;
-  virtual ParticleSet download() const = 0;
+  virtual ParticleSet download() const = 0;  ///< After finish().
 
   virtual void predict(const MotionStep& motion, RandomKey key) = 0;
   virtual void set_scan(const BeamTable& beams) = 0;
@@ -54,7 +54,7 @@ class Backend {
   virtual void resample(RandomKey key) = 0;
   virtual StepState finish() = 0;
 
-  /// What the last normalise_scan and resample made; for tests.
+  /// What the last normalise_scan and resample made, after finish(); for tests.
   virtual std::vector<std::uint64_t> weights() const = 0;
   virtual std::vector<std::uint64_t> cumulative() const = 0;
   virtual std::vector<std::uint32_t> ancestors() const = 0;

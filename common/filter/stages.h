@@ -8,14 +8,16 @@
 // data. NaN log-weights count as -inf; if all are -inf, the weights become uniform and `degenerate` is set. A
 // failing device throws Error{internal}.
 //
-// | stage          | reads                                    | writes |
-// |----------------|------------------------------------------|---------------------------------------------------|
-// | predict        | poses, MotionStep                        | poses | | ray_trace      | poses, map, beams
-// | expected_m[N][M] (unfused reference)              | | weight         | poses, map, beams (or expected_m)
-// | log_weight += tempering * sum of beams            | | normalise_scan | log_weight | log_weight - max,
-// weight[N], cumulative[N], state | | estimate       | poses, weight, state                     |
-// state.moments of all and of the heaviest cluster  | | resample       | poses, weight, cumulative, state |
-// ancestor[N], the other pose buffer, log_weight    |
+// clang-format off
+// | stage          | reads                                    | writes                                              |
+// |----------------|------------------------------------------|-----------------------------------------------------|
+// | predict        | poses, MotionStep                        | poses                                               |
+// | ray_trace      | poses, map, beams                        | expected_m[N][M] (unfused reference)                |
+// | weight         | poses, map, beams (or expected_m)        | log_weight += tempering * sum of beams              |
+// | normalise_scan | log_weight                               | log_weight - max, weight[N], cumulative[N], state   |
+// | estimate       | poses, weight, state                     | state's moments of all and of the heaviest cluster  |
+// | resample       | poses, weight, cumulative, state         | ancestor[N], the other pose buffer, log_weight      |
+// clang-format on
 #pragma once
 
 #include <cstddef>

@@ -51,17 +51,20 @@ struct Trace {
 Trace run(Backend& backend, const BackendConfig& config, std::int64_t particles, bool fused) {
   const GridMap map = small_room();
   backend.set_map(map);
-  ScanConfig scan_config;
-  scan_config.max_beams = 90;
   BeamTable beams;
   BeamCounts counts;
-  select_beams(fan(120), scan_config, config.sensor, map.resolution_m, beams, counts);
-  backend.set_range_max(beams.range_max_m);
   backend.upload(uniform_start(map, particles, 7));
   Trace t;
-  for (std::uint32_t step = 0; step < 4; ++step) {
+  for (std::uint32_t step = 0; step < 7; ++step) {  // enough for recorded steps to be started again
+    ScanConfig scan_config;
+    scan_config.max_beams = step == 1 ? 110 : 40 + 10 * (step % 3);
+    Scan scan = fan(120 - step);
+    scan.range_max_m = step < 5 ? 4.0 : 3.0;
+    select_beams(scan, scan_config, config.sensor, map.resolution_m, beams, counts);
+    if (step == 0 || step == 5) backend.set_range_max(beams.range_max_m);
     const RandomKey key{99, step};
-    backend.predict({0.05f, 0.1f, -0.02f, 0.02f, 0.05f, 0.02f}, key);
+    const float turn_rad = 0.05f - 0.01f * static_cast<float>(step);
+    backend.predict({turn_rad, 0.1f, -0.02f, 0.02f, 0.05f, 0.02f}, key);
     backend.set_scan(beams);
     if (step == 0 && config.sensor.model != SensorModel::likelihood_field) t.expected_m = backend.ray_trace();
     backend.weight(fused);

@@ -1,0 +1,121 @@
+// Memory of the device, and memory of the host that the device copies from and to. Compiled as C++ both are
+// plain host memory.
+#pragma once
+
+#include <cstddef>
+#include <cstdlib>
+#include <cstring>
+#include <new>
+#include <vector>
+
+#include "cuda/stream.h"
+
+namespace parloc::PARLOC_CUDA_NAMESPACE {
+
+#if defined(__CUDACC__)
+inline void* device_alloc(std::size_t bytes) {
+  void* p = nullptr;
+  PARLOC_CHECK(cudaMalloc(&p, bytes), "allocating device memory");
+  return p;
+}
+inline void device_free(void* p) {
+  (void)cudaFree(p);
+}
+/// Page-locked, so that copies from and to it are asynchronous and can be recorded.
+inline void* host_alloc(std::size_t bytes) {
+  void* p = nullptr;
+  PARLOC_CHECK(cudaMallocHost(&p, bytes), "allocating page-locked memory");
+  return p;
+}
+inline void host_free(void* p) {
+  (void)cudaFreeHost(p);
+}
+inline void copy_down(void* to, const void* from, std::size_t bytes, Stream s) {
+  PARLOC_CHECK(cudaMemcpyAsync(to, from, bytes, cudaMemcpyHostToDevice, s), "copying to the device");
+}
+inline void copy_up(void* to, const void* from, std::size_t bytes, Stream s) {
+  PARLOC_CHECK(cudaMemcpyAsync(to, from, bytes, cudaMemcpyDeviceToHost, s), "copying from the device");
+}
+#else
+inline void* device_alloc(std::size_t bytes) {
+  void* p = std::malloc(bytes > 0 ? bytes : 1);
+  if (p == nullptr) throw std::bad_alloc();
+  return p;
+}
+inline void device_free(void* p) {
+  std::free(p);
+}
+inline void* host_alloc(std::size_t bytes) {
+  return device_alloc(bytes);
+}
+inline void host_free(void* p) {
+  std::free(p);
+}
+inline void copy_down(void* to, const void* from, std::size_t bytes, Stream s) {
+  submit(s, [=] { std::memcpy(to, from, bytes); });
+}
+inline void copy_up(void* to, const void* from, std::size_t bytes, Stream s) {
+  submit(s, [=] { std::memcpy(to, from, bytes); });
+}
+#endif
+
+/// Device memory of `size` elements; copies are the named member functions, nothing implicit.
+template <class T>
+class DeviceBuffer {
+ public:
+  DeviceBuffer() = default;
+  DeviceBuffer(const DeviceBuffer&) = delete;
+  DeviceBuffer& operator=(const DeviceBuffer&) = delete;
+  ~DeviceBuffer() { device_free(data_); }
+  /// Grows only: a buffer that is large enough is left alone. What it held is lost when it grows.
+  void reserve(std::size_t size) {
+    if (size <= size_) return;
+    device_free(data_);
+    data_ = nullptr;
+    size_ = 0;
+    data_ = static_cast<T*>(device_alloc(size * sizeof(T)));
+    size_ = size;
+  }
+  void from_host(const std::vector<T>& host, Stream s) {
+    reserve(host.size());
+    if (!host.empty()) copy_down(data_, host.data(), host.size() * sizeof(T), s);
+  }
+  std::vector<T> to_host(std::size_t count, Stream s) const {
+    std::vector<T> host(count);
+    if (count > 0) copy_up(host.data(), data_, count * sizeof(T), s);
+    synchronise(s);
+    return host;
+  }
+  T* data() const { return data_; }
+  std::size_t size() const { return size_; }
+
+ private:
+  T* data_ = nullptr;
+  std::size_t size_ = 0;
+};
+
+/// Page-locked host memory of `size` elements.
+template <class T>
+class HostBuffer {
+ public:
+  HostBuffer() = default;
+  HostBuffer(const HostBuffer&) = delete;
+  HostBuffer& operator=(const HostBuffer&) = delete;
+  ~HostBuffer() { host_free(data_); }
+  void reserve(std::size_t size) {
+    if (size <= size_) return;
+    host_free(data_);
+    data_ = nullptr;
+    size_ = 0;
+    data_ = static_cast<T*>(host_alloc(size * sizeof(T)));
+    size_ = size;
+  }
+  T* data() const { return data_; }
+  std::size_t size() const { return size_; }
+
+ private:
+  T* data_ = nullptr;
+  std::size_t size_ = 0;
+};
+
+}  // namespace parloc::PARLOC_CUDA_NAMESPACE

@@ -1,0 +1,86 @@
+// Everything that changes from step to step, in one piece of memory, so that one copy brings it down and the
+// kernels of a recorded step find it where it always is.
+#pragma once
+
+#include <algorithm>
+#include <array>
+
+#include "common/filter/stages.h"
+#include "common/model/beams.h"
+#include "cuda/memory.h"
+
+namespace parloc::PARLOC_CUDA_NAMESPACE {
+
+/// In device memory. The arrays of the beams lie behind it.
+struct alignas(16) StepInput {
+  MotionStep motion;
+  RandomKey key;
+  std::size_t beams = 0, hits = 0;
+  float range_max_m = 0.0f, sensor_x = 0.0f, sensor_y = 0.0f;
+  CensoredBeam censored;  ///< Depends on the maximum range.
+};
+
+/// `args` with the scan of this step; the arrays stay where they are.
+PARLOC_HD RayTraceArgs with_scan(RayTraceArgs args, const StepInput& input) {
+  args.beams.count = input.beams;
+  args.beams.hits = input.hits;
+  args.beams.range_max_m = input.range_max_m;
+  args.beams.sensor_x = input.sensor_x;
+  args.beams.sensor_y = input.sensor_y;
+  return args;
+}
+
+/// The host's copy and the device's.
+class StepInputBuffer {
+ public:
+  StepInputBuffer() { grow(0); }
+
+  StepInput& host() { return *reinterpret_cast<StepInput*>(host_.data()); }
+  const StepInput* device() const { return reinterpret_cast<const StepInput*>(device_.data()); }
+
+  /// Returns whether the arrays moved.
+  bool set_scan(const BeamTable& t) {
+    const bool moves = t.count > capacity_;
+    if (moves) grow(t.count);
+    StepInput& in = host();
+    in.beams = t.count, in.hits = t.hits;
+    in.range_max_m = t.range_max_m, in.sensor_x = t.sensor_x, in.sensor_y = t.sensor_y;
+    const std::array from = {&t.direction_x,   &t.direction_y, &t.range_m,
+                             &t.short_density, &t.end_x,       &t.end_y};
+    for (std::size_t k = 0; k < from.size(); ++k)
+      std::copy(from[k]->begin(), from[k]->end(), array(host_.data(), k));
+    return moves;
+  }
+
+  void copy_to_device(Stream stream) const { copy_down(device_.data(), host_.data(), host_.size(), stream); }
+
+  /// Where the arrays are on the device, with the sizes that the host knows.
+  Beams beams() {
+    const auto at = [this](std::size_t k) { return array(device_.data(), k); };
+    const StepInput& in = host();
+    return {at(0),    at(1),   at(2),          at(3),       at(4),      at(5),
+            in.beams, in.hits, in.range_max_m, in.sensor_x, in.sensor_y};
+  }
+
+ private:
+  static constexpr std::size_t kArrays = 6;
+
+  float* array(unsigned char* memory, std::size_t k) const {
+    return reinterpret_cast<float*>(memory + sizeof(StepInput)) + k * capacity_;
+  }
+  void grow(std::size_t beams) {
+    const StepInput kept = host_.data() == nullptr ? StepInput{} : host();
+    capacity_ = beams;
+    const std::size_t bytes = sizeof(StepInput) + kArrays * capacity_ * sizeof(float);
+    host_.reserve(bytes);
+    device_.reserve(bytes);
+    std::fill_n(host_.data(), host_.size(), static_cast<unsigned char>(0));
+    host() = kept;
+  }
+
+  std::size_t capacity_ = 0;
+  HostBuffer<unsigned char> host_;
+  DeviceBuffer<unsigned char> device_;
+};
+
+}  // namespace parloc::PARLOC_CUDA_NAMESPACE
