@@ -3,7 +3,6 @@
 #include <fmt/format.h>
 #include <omp.h>
 
-#include <bit>
 #include <fstream>
 
 #include "common/filter/bind.h"
@@ -36,7 +35,7 @@ class CpuBackend final : public Backend {
         weight_(now_.x.size(), 1),
         cumulative_(now_.x.size()),
         ancestor_(now_.x.size()),
-        bin_capacity_(std::bit_ceil(static_cast<std::uint32_t>(2 * config.particles))),
+        bin_capacity_(bin_capacity(now_.x.size())),
         bin_key_(bin_capacity_),
         bin_weight_(bin_capacity_),
         bin_parent_(bin_capacity_),
@@ -75,11 +74,11 @@ class CpuBackend final : public Backend {
     cpu::likelihood_table(squared_distance_, map_.width, map_.height, likelihood, workers_, field_);
   }
 
-  void upload(const ParticleSet& p) override {
-    now_.x = p.x;
-    now_.y = p.y;
-    now_.theta = p.theta;
-    log_weight_ = p.log_weight;
+  void upload(ParticleSet p) override {
+    now_.x = std::move(p.x);
+    now_.y = std::move(p.y);
+    now_.theta = std::move(p.theta);
+    log_weight_ = std::move(p.log_weight);
   }
   ParticleSet download() const override { return {now_.x, now_.y, now_.theta, log_weight_}; }
 

@@ -7,6 +7,51 @@
 namespace parloc::cpu {
 namespace {
 
+/// Puts particles into bins for one thread. Most fall into few bins: their weights are added up here first,
+/// so that a particle seldom costs a search and threads seldom meet at the table.
+class BinFiller {
+ public:
+  explicit BinFiller(const BinTable& table) : table_(table) {}
+  ~BinFiller() {
+    for (Bin& bin : recent_) settle(bin);
+  }
+  std::uint32_t add(std::uint64_t key, std::uint64_t weight) {
+    Bin& bin = recent_[bin_hash(key, kRecent)];
+    if (bin.key != key) {
+      settle(bin);
+      bin = {key, 0, bin_find_or_make(table_, key)};
+    }
+    bin.weight += weight;
+    return bin.slot;
+  }
+
+ private:
+  struct Bin {
+    std::uint64_t key = kNoBin, weight = 0;
+    std::uint32_t slot = 0;
+  };
+  static constexpr std::uint32_t kRecent = 64;
+  void settle(const Bin& bin) {
+    if (bin.key != kNoBin) atomic_add(&table_.weight[bin.slot], bin.weight);
+  }
+  BinTable table_;
+  Bin recent_[kRecent];
+};
+
+void fill_bins(const Particles& p, const std::uint64_t* weight, const BinTable& bins, Workers& workers) {
+  parallel_for(p.count, workers.threads, [=](std::size_t begin, std::size_t end) PARLOC_SIMD_LOOP {
+    constexpr std::size_t kChunk = 512;
+    std::uint64_t key[kChunk];
+    BinFiller filler(bins);
+    for (std::size_t first = begin; first < end; first += kChunk) {
+      const std::size_t here = end - first < kChunk ? end - first : kChunk;
+      for (std::size_t k = 0; k < here; ++k)
+        key[k] = bin_key_of(p.x[first + k], p.y[first + k], p.theta[first + k]);
+      for (std::size_t k = 0; k < here; ++k) bins.slot_of[first + k] = filler.add(key[k], weight[first + k]);
+    }
+  });
+}
+
 /// Slot of the root of the heaviest cluster; equal weights: the smaller key. Afterwards every used slot's
 /// parent is its root, so that membership is one look-up.
 std::uint32_t heaviest_cluster(const BinTable& t) {
@@ -37,10 +82,7 @@ void clear_bins(const BinTable& t) {
 void estimate(const Particles& p, const Weights& weights, const BinTable& bins, StepState* state,
               Workers& workers) {
   const std::uint64_t* weight = weights.weight;
-  parallel_for(p.count, workers.threads, [=](std::size_t begin, std::size_t end) PARLOC_SIMD_LOOP {
-    for (std::size_t i = begin; i < end; ++i)
-      bins.slot_of[i] = bin_insert(bins, bin_key_of(p.x[i], p.y[i], p.theta[i]), weight[i]);
-  });
+  fill_bins(p, weight, bins, workers);
   const std::uint32_t best = heaviest_cluster(bins);
   state->best_slot = best;
 

@@ -135,7 +135,7 @@ void weight_by_rays(const WeightArgs& a, const Model& model, Workers& workers) {
       contest.enter(log_weight[i]);
     }
   };
-  parallel_blocks(r.particles.count, workers.threads, 1, loop);
+  parallel_shared(r.particles.count, workers.threads, 256, loop);
 }
 
 template <bool kBilinear>

@@ -54,7 +54,7 @@ class CudaBackend final : public Backend {
     weight_.reserve(count_);
     cumulative_.reserve(count_);
     ancestor_.reserve(count_);
-    bins_.capacity = static_cast<std::uint32_t>(std::bit_ceil(2 * count_));
+    bins_.capacity = bin_capacity(count_);
     for (auto* b : {&bin_key_, &bin_weight_}) b->reserve(bins_.capacity);
     bin_parent_.reserve(bins_.capacity);
     bin_slot_.reserve(count_);
@@ -108,7 +108,7 @@ class CudaBackend final : public Backend {
                      bind_distance(config_.sensor, map_.resolution_m, range_max_m), field_.data(), stream_);
   }
 
-  void upload(const ParticleSet& p) override {
+  void upload(ParticleSet p) override {
     use_device();
     run_planned();
     a_.x.from_host(p.x, stream_);

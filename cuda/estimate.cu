@@ -13,8 +13,11 @@ struct FillBins {
   std::uint64_t* best;
   PARLOC_HD void operator()(const Thread& me) const {
     if (me.first() == 0) best[0] = best[1] = 0;
-    for (std::size_t i = me.first(); i < p.count; i += me.stride())
-      t.slot_of[i] = bin_insert(t, bin_key_of(p.x[i], p.y[i], p.theta[i]), weight[i]);
+    for (std::size_t i = me.first(); i < p.count; i += me.stride()) {
+      const std::uint32_t slot = bin_find_or_make(t, bin_key_of(p.x[i], p.y[i], p.theta[i]));
+      atomic_add(&t.weight[slot], weight[i]);
+      t.slot_of[i] = slot;
+    }
   }
 };
 

@@ -23,16 +23,8 @@ std::vector<Snapshot::Point> end_points(const Pose& T_map_base, const Scan& scan
   return points;
 }
 
-/// At most `most`, evenly by slot.
-std::vector<Particle> thinned(std::vector<Particle> particles, std::size_t most) {
-  if (particles.size() <= most) return particles;
-  std::vector<Particle> kept(most);
-  for (std::size_t k = 0; k < most; ++k) kept[k] = particles[k * particles.size() / most];
-  return kept;
-}
-
 Snapshot snapshot_of(const ParticleFilter& filter, const Pose& estimate, const Scan& scan) {
-  return {scan.stamp_s, estimate, thinned(filter.particles(), Snapshot::max_particles),
+  return {scan.stamp_s, estimate, filter.particles(Snapshot::max_particles),
           end_points(estimate, scan, filter.config().scan)};
 }
 

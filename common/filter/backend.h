@@ -39,7 +39,7 @@ class Backend {
   /// Table of the likelihood field, whose scale depends on the sensor's maximum range. Called when that
   /// changes.
   virtual void set_range_max(double range_max_m) = 0;
-  virtual void upload(const ParticleSet& particles) = 0;
+  virtual void upload(ParticleSet particles) = 0;
   virtual ParticleSet download() const = 0;  ///< After finish().
 
   virtual void predict(const MotionStep& motion, RandomKey key) = 0;

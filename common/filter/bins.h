@@ -16,7 +16,7 @@ constexpr std::uint64_t kNoBin = ~std::uint64_t{0};
 constexpr std::int32_t kHeadingBins = 36;
 constexpr float kBinSize_m = 0.5f;
 
-/// Open addressing; `capacity` is a power of two above twice the number of particles, so it never fills.
+/// Open addressing; `capacity` is bin_capacity(particles), so it never fills.
 /// Empty slots have kNoBin, no weight and themselves as parent; a step leaves the table empty by clearing
 /// what it used.
 struct BinTable {
@@ -45,10 +45,19 @@ PARLOC_HD std::uint64_t bin_key_of(float x_m, float y_m, float theta_rad) {
   return bin_key(bin_index(x_m), bin_index(y_m), t < 0 ? 0 : (t >= kHeadingBins ? kHeadingBins - 1 : t));
 }
 
+/// A quarter more than the bins that there can be.
+PARLOC_HD std::uint32_t bin_capacity(std::size_t particles) {
+  return static_cast<std::uint32_t>(particles + particles / 4 + 4);
+}
+
 PARLOC_HD std::uint32_t bin_hash(std::uint64_t key, std::uint32_t capacity) {
   std::uint64_t h = key * 0x9E3779B97F4A7C15u;
   h ^= h >> 32;
-  return static_cast<std::uint32_t>(h) & (capacity - 1);
+  return static_cast<std::uint32_t>(((h & 0xffffffffu) * capacity) >> 32);
+}
+
+PARLOC_HD std::uint32_t bin_after(std::uint32_t slot, std::uint32_t capacity) {
+  return slot + 1 < capacity ? slot + 1 : 0;
 }
 
 PARLOC_HD void bin_clear(const BinTable& t, std::uint32_t slot) {
@@ -57,24 +66,21 @@ PARLOC_HD void bin_clear(const BinTable& t, std::uint32_t slot) {
   t.parent[slot] = slot;
 }
 
-/// Finds or makes the bin of `key`, adds `weight`; returns its slot.
-PARLOC_HD std::uint32_t bin_insert(const BinTable& t, std::uint64_t key, std::uint64_t weight) {
-  for (std::uint32_t slot = bin_hash(key, t.capacity);; slot = (slot + 1) & (t.capacity - 1)) {
+/// The slot of the bin of `key`, which is made if there is none.
+PARLOC_HD std::uint32_t bin_find_or_make(const BinTable& t, std::uint64_t key) {
+  for (std::uint32_t slot = bin_hash(key, t.capacity);; slot = bin_after(slot, t.capacity)) {
     std::uint64_t found = atomic_read(&t.key[slot]);
     if (found == kNoBin) {
       found = atomic_swap_if(&t.key[slot], kNoBin, key);
       if (found == kNoBin) t.used[atomic_add(t.used_count, 1)] = slot;
     }
-    if (found == kNoBin || found == key) {
-      atomic_add(&t.weight[slot], weight);
-      return slot;
-    }
+    if (found == kNoBin || found == key) return slot;
   }
 }
 
 /// The slot of `key`, or capacity if there is no such bin.
 PARLOC_HD std::uint32_t bin_find(const BinTable& t, std::uint64_t key) {
-  for (std::uint32_t slot = bin_hash(key, t.capacity);; slot = (slot + 1) & (t.capacity - 1)) {
+  for (std::uint32_t slot = bin_hash(key, t.capacity);; slot = bin_after(slot, t.capacity)) {
     if (t.key[slot] == key) return slot;
     if (t.key[slot] == kNoBin) return t.capacity;
   }

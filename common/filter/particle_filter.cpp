@@ -1,5 +1,6 @@
 #include "common/filter/particle_filter.h"
 
+#include <algorithm>
 #include <cmath>
 #include <optional>
 
@@ -73,14 +74,14 @@ struct ParticleFilter::State {
   Sha256 estimates;
 
   RandomKey key() const { return {config.seed, static_cast<std::uint32_t>(steps)}; }
-  void begin(const ParticleSet& set);
+  void begin(ParticleSet set);
   bool gated(const OdometryIncrement& u) const;
   MotionStep motion(const OdometryIncrement& u);
   void remember(const Estimate& e);
 };
 
-void ParticleFilter::State::begin(const ParticleSet& set) {
-  backend->upload(set);
+void ParticleFilter::State::begin(ParticleSet set) {
+  backend->upload(std::move(set));
   odometry.reset();
   counts = {};
   last = {};
@@ -185,20 +186,21 @@ Estimate ParticleFilter::step(const Pose& odometry, const Scan& scan) {
   return e;
 }
 
-std::vector<Particle> ParticleFilter::particles() const {
+std::vector<Particle> ParticleFilter::particles(std::size_t most) const {
   const ParticleSet set = state_->backend->download();
+  const std::size_t count = set.x.size(), kept = std::min(count, most);
   const SinCos64 r = portable_sincos64(state_->map.T_map_grid.theta_rad);
   const Pose& T = state_->map.T_map_grid;
   double total = 0.0;
-  std::vector<Particle> out(set.x.size());
-  for (std::size_t i = 0; i < out.size(); ++i) {
-    out[i].x_m = static_cast<float>(T.x_m + r.cos * set.x[i] - r.sin * set.y[i]);
-    out[i].y_m = static_cast<float>(T.y_m + r.sin * set.x[i] + r.cos * set.y[i]);
-    out[i].theta_rad = static_cast<float>(wrap64(T.theta_rad + set.theta[i]));
-    out[i].weight = portable_exp(set.log_weight[i]);
-    total += out[i].weight;
+  for (const float log_weight : set.log_weight) total += portable_exp(log_weight);
+  std::vector<Particle> out(kept);
+  for (std::size_t k = 0; k < kept; ++k) {
+    const std::size_t i = k * count / kept;
+    out[k].x_m = static_cast<float>(T.x_m + r.cos * set.x[i] - r.sin * set.y[i]);
+    out[k].y_m = static_cast<float>(T.y_m + r.sin * set.x[i] + r.cos * set.y[i]);
+    out[k].theta_rad = static_cast<float>(wrap64(T.theta_rad + set.theta[i]));
+    out[k].weight = static_cast<float>(portable_exp(set.log_weight[i]) / total);
   }
-  for (Particle& p : out) p.weight = static_cast<float>(p.weight / total);
   return out;
 }
 

@@ -66,8 +66,9 @@ class ParticleFilter {
   /// Non-finite odometry is skipped and counted.
   Estimate step(const Pose& odometry, const Scan& scan);
 
-  /// The particles of the last step (downloads them).
-  std::vector<Particle> particles() const;
+  /// The particles of the last step (downloads them); at most `most`, evenly by slot. Weights are shares of
+  /// all.
+  std::vector<Particle> particles(std::size_t most = SIZE_MAX) const;
   const BeamCounts& beam_counts() const;  ///< Summed since the start.
   std::size_t odometry_jumps() const;     ///< Steps longer than max_jump_m.
   std::size_t odometry_invalid() const;   ///< Steps skipped because the odometry was not finite.

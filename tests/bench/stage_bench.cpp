@@ -82,6 +82,7 @@ class Rig {
     backend->set_scan(beams);
     backend->predict(motion, next_key());
     backend->weight(true);
+    backend->finish();
     weighed = backend->download();
     backend->normalise_scan();
     backend->estimate();

@@ -5,10 +5,11 @@
 #include <unistd.h>
 
 #include <algorithm>
-#include <bit>
 #include <fstream>
 #include <limits>
 #include <string_view>
+
+#include "common/filter/bins.h"
 
 namespace parloc::bench {
 namespace {
@@ -78,7 +79,7 @@ std::uint64_t needed_bytes(const Variant& variant, std::int64_t particles) {
   if (variant.backend == BackendChoice::cuda) return 2 * cloud + kMapTables;  // the rest is the device's
   const std::uint64_t particle_arrays =
       n * (7 * sizeof(float) + 2 * sizeof(std::uint64_t) + 3 * sizeof(std::uint32_t));
-  const std::uint64_t bins = std::bit_ceil(2 * n) * (2 * sizeof(std::uint64_t) + sizeof(std::uint32_t));
+  const std::uint64_t bins = bin_capacity(particles) * (2 * sizeof(std::uint64_t) + sizeof(std::uint32_t));
   return cloud + particle_arrays + bins + kMapTables;  // as cpu/backend.cpp allocates
 }
 
