@@ -100,11 +100,18 @@ StepRecord step_record(const Estimate& estimate, double stamp_s, double step_ms)
           step_ms, estimate.resampled, estimate.lost};
 }
 
+FilterConfig filter_config(const LocalizeRequest& request) {
+  FilterConfig config = request.config;
+  if (request.odometry_only) config.estimate.mode = EstimateMode::mean;
+  return config;
+}
+
 /// Collects the run's results step by step.
 class Run {
  public:
   Run(const GridMap& map, const LocalizeRequest& request, const LogRecord& first)
-      : filter_(request.config, map), start_(start_of(request, first.stamp_s)) {
+      : filter_(filter_config(request), map), start_(start_of(request, first.stamp_s)) {
+    result_.odometry_only = request.odometry_only;
     start_filter(filter_, start_);
     T_map_odometry_ = compose(start_.pose, inverse(first.odometry));
     earliest_s_ = latest_s_ = first.stamp_s;
@@ -113,7 +120,9 @@ class Run {
 
   void step(const LogRecord& record) {
     const Clock::time_point begun = Clock::now();
-    const Estimate estimate = filter_.step(record.odometry, record.scan);
+    last_scan_ = record.scan;
+    if (result_.odometry_only) last_scan_.ranges_m.clear();  // a scan without beams moves the particles only
+    const Estimate estimate = filter_.step(record.odometry, last_scan_);
     const double step_ms = 1e3 * seconds_since(begun);
     result_.trajectory.push_back({record.stamp_s, estimate.pose});
     if (!start_.anywhere)
@@ -123,8 +132,7 @@ class Run {
     ++result_.scans;
     earliest_s_ = std::min(earliest_s_, record.stamp_s);
     latest_s_ = std::max(latest_s_, record.stamp_s);
-    snapshots_.offer(filter_, estimate.pose, record.scan);
-    last_scan_ = record.scan;
+    snapshots_.offer(filter_, estimate.pose, last_scan_);
   }
 
   const ParticleFilter& filter() const { return filter_; }

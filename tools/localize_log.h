@@ -22,6 +22,7 @@ struct LocalizeRequest {
   std::optional<StartPose> start;  ///< Empty: from `truth`.
   Trajectory truth;                ///< May be empty. Used for the start only.
   std::string log_name;            ///< For messages.
+  bool odometry_only = false;      ///< Predict, never weigh: how the particles spread without the LiDAR.
   bool strict = false;             ///< What would be counted as a warning is an Error{input}.
   std::function<void(double fraction, std::size_t scans)>
       progress;                ///< Called after every scan; may be empty.
@@ -44,15 +45,16 @@ struct Localization {
   std::string digest;
   double wall_s = 0.0;  ///< From the first scan's step to the end, reading the log included, the map not.
   double log_s = 0.0;   ///< Between the first and the last stamp in time.
+  bool odometry_only = false;
   bool interrupted = false;  ///< `stop` said so before the end; perhaps before the first scan.
 
   double real_time_factor() const { return wall_s > 0.0 ? log_s / wall_s : 0.0; }
 };
 
-/// Runs the filter over the whole log. Deterministic but for the times measured.
-/// Throws Error{input} for a log without a scan, a start that is not finite or not
-/// on the map, no start at all, and with `strict` at the first warning; Error{config} and Error{backend} as
-/// ParticleFilter.
+/// Runs the filter over the whole log. With `odometry_only` the estimate is the mean: without weights no
+/// cluster is better than another. Deterministic but for the times measured. Throws Error{input} for a log
+/// without a scan, a start that is not finite or not on the map, no start at all, and with `strict` at the
+/// first warning; Error{config} and Error{backend} as ParticleFilter.
 Localization localize_log(const GridMap& map, LogReader& log, const LocalizeRequest& request);
 
 /// Median and p99 of the steps' wall times but the first, which pays for warming up; NaN without a second

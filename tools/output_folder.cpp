@@ -62,7 +62,11 @@ OutputFolder::~OutputFolder() {
 void OutputFolder::publish() {
   for (const std::string& file : files_) {
     std::error_code error;
-    fs::rename(staged(file), final_path(file), error);
+    if (fs::exists(staged(file), error)) {
+      fs::rename(staged(file), final_path(file), error);
+    } else {
+      fs::remove(final_path(file), error);
+    }
     if (error) fail(final_path(file), error.message());
   }
 }

@@ -23,7 +23,8 @@ class OutputFolder {
   std::string staged(const std::string& file) const { return staging_ + "/" + file; }
   /// Where it will be.
   std::string final_path(const std::string& file) const { return folder_ + "/" + file; }
-  /// Moves the staged files to their places, replacing what is there. Throws Error{output}.
+  /// Moves the staged files to their places, replacing what is there; a file that was not staged is removed
+  /// there, so that none of an earlier run stays among the others. Throws Error{output}.
   void publish();
 
  private:

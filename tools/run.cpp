@@ -30,7 +30,7 @@ namespace {
 struct RunOptions {
   std::string map, log, truth, relations, config, init, backend, device, particles, beams, seed, threads;
   std::string out = "parloc_out";
-  bool strict = false, json = false, quiet = false;
+  bool odometry_only = false, strict = false, json = false, quiet = false;
 };
 
 void declare(CLI::App& app, RunOptions& o) {
@@ -47,6 +47,7 @@ void declare(CLI::App& app, RunOptions& o) {
   add_text_option(app, "--beams", o.beams, "B", "Beams used of a scan, 1 to 4096");
   add_text_option(app, "--seed", o.seed, "S", "Same seed, same answer");
   add_text_option(app, "--threads", o.threads, "K", "CPU threads; 0: all cores");
+  app.add_flag("--odometry-only", o.odometry_only, "Move the particles, use no scan");
   app.add_flag("--strict", o.strict, "A broken line or beam ends the run");
   app.add_flag("--json", o.json, "Print the metrics alone, as JSON");
   app.add_flag("--quiet", o.quiet, "No progress and no summary");
@@ -84,6 +85,11 @@ constexpr const char* kTrajectory = "trajectory.tum";
 constexpr const char* kMetrics = "metrics.json";
 constexpr const char* kReport = "report.html";
 constexpr const char* kPicture = "picture.png";
+constexpr const char* kErrors = "errors.png";  // with a truth
+
+bool has_errors(const RunResults& results) {
+  return results.errors && results.errors->compared > 0;
+}
 
 void write_results(OutputFolder& out, const RunResults& results, const GridMap& map) {
   const RunReport report = run_report(results, map);
@@ -91,6 +97,7 @@ void write_results(OutputFolder& out, const RunResults& results, const GridMap& 
   replace_file(out.staged(kMetrics), metrics_json(results));
   write_report(out.staged(kReport), report);
   write_picture(out.staged(kPicture), report);
+  if (has_errors(results)) write_error_picture(out.staged(kErrors), report);
   out.publish();
 }
 
@@ -100,6 +107,7 @@ int run(const RunOptions& o, const std::string& typed) {
   request.config = effective_config(o);
   request.log_name = o.log;
   request.strict = o.strict;
+  request.odometry_only = o.odometry_only;
   if (!o.init.empty()) request.start = parse_start_pose(o.init, request.config);
   if (o.init.empty() && o.truth.empty()) {
     throw Error(ErrorKind::usage, "no start pose: give --init x,y,theta, --init global, or --truth");
@@ -109,10 +117,10 @@ int run(const RunOptions& o, const std::string& typed) {
   if (!o.truth.empty()) request.truth = read_tum(o.truth);
   const std::vector<Relation> relations =
       o.relations.empty() ? std::vector<Relation>{} : read_relations(o.relations);
-  OutputFolder out(o.out, {kTrajectory, kMetrics, kReport, kPicture});
+  OutputFolder out(o.out, {kTrajectory, kMetrics, kReport, kPicture, kErrors});
 
   RunResults results{o.map, o.log, o.truth, o.relations, typed, o.init.empty() ? "truth" : o.init,
-                     {},    {},    {},      {}};
+                     {},    {},    {},      {},          {}};
   catch_interrupts();
   {
     Progress progress(Progress::style_here(o.quiet));
@@ -127,15 +135,19 @@ int run(const RunOptions& o, const std::string& typed) {
     return kExitInterrupted;
   }
   results.truth = std::move(request.truth);
-  if (!o.truth.empty()) results.errors = compare_tracks(results.run.trajectory, results.truth);
+  if (!o.truth.empty()) {
+    results.errors = compare_tracks(results.run.trajectory, results.truth);
+    results.odometry_errors = compare_tracks(results.run.odometry, results.truth);
+  }
   if (!o.relations.empty()) results.relations = compare_relations(results.run.trajectory, relations);
   write_results(out, results, map);
 
   if (o.json) {
     std::fputs(metrics_json(results).c_str(), stdout);
   } else if (!o.quiet) {
-    fmt::print("{}{:<16}{} (beside it: {}, {}, {})\n", run_summary(results), "report",
-               out.final_path(kReport), kPicture, kTrajectory, kMetrics);
+    fmt::print("{}{:<16}{} (beside it: {}, {}{}, {})\n", run_summary(results), "report",
+               out.final_path(kReport), kPicture, has_errors(results) ? "errors.png, " : "", kTrajectory,
+               kMetrics);
   }
   return results.run.interrupted ? kExitInterrupted : 0;
 }

@@ -59,6 +59,15 @@ void add_track_errors(Json& json, const std::optional<TrackErrors>& errors) {
   json["without_truth"] = errors ? Json(errors->without_truth) : Json(nullptr);
 }
 
+/// How far dead reckoning goes wrong: what the LiDAR is for.
+Json odometry_json(const std::optional<TrackErrors>& errors) {
+  if (!errors || errors->compared == 0) return nullptr;
+  return {{"position_rmse_m", errors->position_rmse_m},
+          {"position_max_m", errors->position_max_m},
+          {"position_end_m", errors->position_error_m.back()},
+          {"heading_end_rad", errors->heading_error_rad.back()}};
+}
+
 Json relations_json(const std::optional<RelationErrors>& errors) {
   if (!errors) return nullptr;
   const bool known = errors->compared > 0;
@@ -120,15 +129,41 @@ std::string beams_text(const BeamCounts& beams) {
   return text;
 }
 
+std::string last_error(const TrackErrors& e) {
+  return fmt::format("{:.3f} m and {:.2f} degrees", e.position_error_m.back(),
+                     std::abs(e.heading_error_rad.back()) * kDegrees);
+}
+std::string end_text(const TrackErrors& estimate, const std::optional<TrackErrors>& odometry) {
+  std::string text = last_error(estimate) + " off";
+  if (odometry && odometry->compared > 0 && std::isfinite(odometry->position_error_m.back())) {
+    text += fmt::format("; odometry alone {}", last_error(*odometry));
+  }
+  return text;
+}
+
+/// How the particles spread, at the start and each third of the run: standard deviation in x and y together.
+std::string spread_text(const Localization& run) {
+  std::string text;
+  for (std::size_t k = 0; k <= 3; ++k) {
+    const StepRecord& step = run.steps[k * (run.steps.size() - 1) / 3];
+    text += fmt::format("{}{:.2f} m after {:.1f} s", k == 0 ? "" : ", ",
+                        std::hypot(step.sigma_x_m, step.sigma_y_m), step.stamp_s - run.steps.front().stamp_s);
+  }
+  return text;
+}
+
 /// What the report's first table and the summary on the terminal both say.
 std::vector<Fact> main_facts(const RunResults& results) {
   const Localization& run = results.run;
   std::vector<Fact> facts;
-  facts.push_back({"scans", fmt::format("{}{}", run.scans, run.interrupted ? " (interrupted)" : "")});
+  facts.push_back({"scans", fmt::format("{}{}{}", run.scans, run.odometry_only ? ", none used" : "",
+                                        run.interrupted ? " (interrupted)" : "")});
   if (results.errors && results.errors->compared > 0) {
     facts.push_back({"position error", position_text(*results.errors)});
     facts.push_back({"heading error", heading_text(*results.errors)});
+    facts.push_back({"at the end", end_text(*results.errors, results.odometry_errors)});
   }
+  if (run.odometry_only) facts.push_back({"spread", spread_text(run)});
   if (results.errors && results.errors->without_truth > 0) {
     facts.push_back({"no truth for", fmt::format("{} scans", results.errors->without_truth)});
   }
@@ -136,7 +171,7 @@ std::vector<Fact> main_facts(const RunResults& results) {
     facts.push_back({"relation error", relations_text(*results.relations)});
   }
   facts.push_back({"time", speed_text(run)});
-  facts.push_back({"beams", beams_text(run.beams)});
+  if (!run.odometry_only) facts.push_back({"beams", beams_text(run.beams)});
   facts.push_back({"backend", run.backend});
   facts.push_back({"digest", run.digest});
   return facts;
@@ -188,6 +223,8 @@ std::string metrics_json(const RunResults& results) {
   Json json;
   json["parloc"] = PARLOC_VERSION;
   add_track_errors(json, results.errors);
+  json["odometry_only"] = run.odometry_only;
+  json["odometry"] = odometry_json(results.odometry_errors);
   json["relations"] = relations_json(results.relations);
   json["steps"] = run.filter_steps;
   json["scans"] = run.scans;
@@ -235,6 +272,7 @@ RunReport run_report(const RunResults& results, const GridMap& map) {
   report.particles = static_cast<double>(run.config.particles);
   report.resample_below = run.config.resample.threshold * report.particles;
   report.snapshots = run.snapshots;
+  report.every_cloud = run.odometry_only;
   return report;
 }
 

@@ -17,9 +17,10 @@ struct RunResults {
   std::string command_line;
   std::string init;  ///< As given; "truth" if the start came from there.
   Localization run;
-  Trajectory truth;                         ///< Empty without one.
-  std::optional<TrackErrors> errors;        ///< With a truth.
-  std::optional<RelationErrors> relations;  ///< With relations.
+  Trajectory truth;                            ///< Empty without one.
+  std::optional<TrackErrors> errors;           ///< With a truth.
+  std::optional<TrackErrors> odometry_errors;  ///< Of dead reckoning, with a truth and a known start.
+  std::optional<RelationErrors> relations;     ///< With relations.
 };
 
 /// metrics.json: one object, fields in a fixed order; what needs a truth that is not there is null.

@@ -24,9 +24,11 @@ class Canvas {
   void line(double x0, double y0, double x1, double y1, double width, Rgba colour);
   void disc(double x, double y, double radius, Rgba colour);
   void rectangle(double x0, double y0, double x1, double y1, Rgba colour);
-  /// Letters, digits, '.' and '-' from a 5 x 7 font, other characters as blanks; (x, y) is the top left
+  /// Letters, digits and .,-[] from a 5 x 7 font, other characters as blanks; (x, y) is the top left
   /// corner.
   void text(std::int32_t x, std::int32_t y, std::string_view label, std::int32_t scale, Rgba colour);
+  /// Copies `other` with its top left corner at (x, y).
+  void paste(const Canvas& other, std::int32_t x, std::int32_t y);
   static std::int32_t text_width(std::string_view label, std::int32_t scale);
   static constexpr std::int32_t text_rows = 9;  ///< With the descenders, times the scale.
 

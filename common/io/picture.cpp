@@ -8,6 +8,7 @@
 #include "common/io/html_text.h"
 #include "common/io/map_view.h"
 #include "common/io/output_file.h"
+#include "common/io/picture_style.h"
 #include "common/io/png_writer.h"
 #include "common/io/report.h"
 #include "common/io/report_parts.h"
@@ -16,14 +17,6 @@ namespace parloc {
 namespace {
 
 constexpr std::int32_t least_px = 1100, most_px = 2000;
-constexpr std::int32_t text_scale = 2, line_px = 26, margin_px = 14;
-
-// Okabe and Ito's colours, as in the HTML report.
-constexpr Rgba estimate_colour = {0, 114, 178, 255};
-constexpr Rgba truth_colour = {230, 159, 0, 255};
-constexpr Rgba odometry_colour = {181, 80, 140, 255};
-constexpr Rgba particle_colour = {0, 158, 115, 160};
-constexpr Rgba white = {255, 255, 255, 255}, ink = {25, 28, 32, 255}, unknown_colour = {223, 226, 229, 255};
 
 void draw_cells(Canvas& canvas, const GridMap& map, const MapView& view) {
   const std::vector<Cell> cells = raster(map, view);
@@ -76,13 +69,21 @@ void draw_track(Canvas& canvas, const Trajectory& track, const MapView& view, do
   }
 }
 
-void draw_particles(Canvas& canvas, const RunReport& report, const MapView& view) {
-  if (report.snapshots.empty()) return;
-  const std::vector<Particle>& particles = report.snapshots.back().particles;
+void draw_particles(Canvas& canvas, const Snapshot& snapshot, const MapView& view) {
+  const std::vector<Particle>& particles = snapshot.particles;
   for (const std::size_t k : evenly_spaced(particles.size(), Snapshot::max_particles)) {
     if (!drawable_point(particles[k].x_m, particles[k].y_m)) continue;
     const Pixel at = view.to_pixel(particles[k].x_m, particles[k].y_m);
     canvas.disc(at.x, at.y, 1.6, particle_colour);
+  }
+}
+
+void draw_clouds(Canvas& canvas, const RunReport& report, const MapView& view) {
+  if (report.snapshots.empty()) return;
+  if (report.every_cloud) {
+    for (const Snapshot& snapshot : report.snapshots) draw_particles(canvas, snapshot, view);
+  } else {
+    draw_particles(canvas, report.snapshots.back(), view);
   }
 }
 
@@ -107,6 +108,16 @@ void draw_start_and_end(Canvas& canvas, const Trajectory& track, const MapView& 
     const Pixel at = view.to_pixel(last.x_m, last.y_m);
     draw_square(canvas, at.x, at.y);
   }
+}
+
+/// Clouds of centimetres are smaller than the mark of the end, clouds of metres hide the paths.
+void draw_paths_and_clouds(Canvas& canvas, const RunReport& report, const MapView& view) {
+  if (report.every_cloud) draw_clouds(canvas, report, view);
+  if (report.truth) draw_track(canvas, *report.truth, view, 7, 0, truth_colour);
+  draw_track(canvas, report.estimate, view, 3, 0, estimate_colour);
+  draw_track(canvas, report.odometry, view, 2.5, 9, odometry_colour);
+  draw_start_and_end(canvas, report.estimate, view);
+  if (!report.every_cloud) draw_clouds(canvas, report, view);
 }
 
 enum class Key { truth, estimate, odometry, particles, start, end };
@@ -215,11 +226,7 @@ void write_picture(const std::string& path, const RunReport& report) {
   const std::int32_t strip_px = strip.items.empty() ? 0 : strip.lines * line_px + margin_px;
   Canvas map(view.width_px, view.height_px, white);
   if (report.map != nullptr) draw_cells(map, *report.map, view);
-  if (report.truth) draw_track(map, *report.truth, view, 7, 0, truth_colour);
-  draw_track(map, report.odometry, view, 2.5, 9, odometry_colour);
-  draw_track(map, report.estimate, view, 3, 0, estimate_colour);
-  draw_start_and_end(map, report.estimate, view);
-  draw_particles(map, report, view);  // last: a converged cloud is smaller than the mark of the end
+  draw_paths_and_clouds(map, report, view);
   draw_scale_bar(map, view);
 
   Canvas legend(view.width_px, std::max<std::int32_t>(1, strip_px), white);

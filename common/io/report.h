@@ -70,6 +70,7 @@ struct RunReport {
   double particles = 0.0;       ///< N, the upper end of the N_eff plot; 0: not known.
 
   std::vector<Snapshot> snapshots;  ///< In time order; 6 to 12 follow a run well, at most 24 are shown.
+  bool every_cloud = false;         ///< The map shows all of them together, not only one moment's.
 };
 
 /// One self-contained HTML file: no script, style, font or image from elsewhere; readable on a phone and in
@@ -80,8 +81,12 @@ struct RunReport {
 void write_report(const std::string& path, const RunReport& report);
 
 /// One PNG, the map in it at most 2000 pixels a side: the map around the paths, the odometry, truth and
-/// estimated path, the last particle cloud, start and end, a legend and a scale bar. Throws Error{output}
-/// likewise; a report without a map and without a path gives Error{output} as well.
+/// estimated path, the last particle cloud or all of them, start and end, a legend and a scale bar. Throws
+/// Error{output} likewise; a report without a map and without a path gives Error{output} as well.
 void write_picture(const std::string& path, const RunReport& report);
+
+/// One PNG: the errors in x, y and heading over time, one under the other, with three standard deviations of
+/// the particles. Throws Error{output} likewise; a report without errors gives Error{output} as well.
+void write_error_picture(const std::string& path, const RunReport& report);
 
 }  // namespace parloc

@@ -159,6 +159,13 @@ const char* invert_filter() {
          "slope=\"-1\" intercept=\"1\"/></feComponentTransfer></filter></svg>";
 }
 
+/// The clouds of all moments, behind that of the chosen one.
+std::string trail(std::size_t moments) {
+  std::string html = "<g class=\"trail\">";
+  for (std::size_t k = 0; k < moments; ++k) html += fmt::format("<use href=\"#cloud{}\"/>", k);
+  return html + "</g>";
+}
+
 std::string overview(const RunReport& report, const MapView& view, const TimeAxis& axis,
                      const std::vector<std::size_t>& moments) {
   // The width is bounded so that the figure is never higher than the window.
@@ -169,8 +176,9 @@ std::string overview(const RunReport& report, const MapView& view, const TimeAxi
                          85.0 * view.width_px / view.height_px, view.width_px, view.height_px);
   if (report.map != nullptr) html += map_image(*report.map, view);
   if (report.truth) html += path("truth c2", track_path(*report.truth, view));
-  html += path("odometry c3", track_path(report.odometry, view));
-  html += path("estimate c1", track_path(report.estimate, view)) + start_and_end(report.estimate, view);
+  if (report.every_cloud) html += trail(moments.size());
+  html += path("estimate c1", track_path(report.estimate, view));
+  html += path("odometry c3", track_path(report.odometry, view)) + start_and_end(report.estimate, view);
   for (std::size_t k = 0; k < moments.size(); ++k) {
     html += moment_layer(report.snapshots[moments[k]], view, axis, k, k + 1 == moments.size());
   }

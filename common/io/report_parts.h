@@ -23,6 +23,9 @@ std::string map_figures(const RunReport& report, const TimeAxis& axis);
 /// The plots of errors, N_eff, standard deviations and step time, as far as there are data.
 std::string plot_figures(const RunReport& report, const TimeAxis& axis);
 
+/// The errors in x, y and heading; empty without a truth.
+std::vector<Plot> error_plots(const RunReport& report);
+
 /// The rows of the first table: the caller's, then what follows from the data.
 std::vector<Fact> summary_facts(const RunReport& report);
 

@@ -74,6 +74,18 @@ Plot time_plot(const RunReport& report, const std::vector<double>& stamps) {
 
 }  // namespace
 
+std::vector<Plot> error_plots(const RunReport& report) {
+  if (!report.errors || report.errors->compared == 0) return {};
+  const TrackErrors& e = *report.errors;
+  const auto sigma = [&](double StepRecord::*value) {
+    return column(report.steps, [&](auto& s) { return s.*value; });
+  };
+  return {error_plot("Error in x", "m", e, e.x_error_m, report.steps, sigma(&StepRecord::sigma_x_m)),
+          error_plot("Error in y", "m", e, e.y_error_m, report.steps, sigma(&StepRecord::sigma_y_m)),
+          error_plot("Error in heading", "degrees", e, scaled(e.heading_error_rad, degrees_per_rad),
+                     report.steps, scaled(sigma(&StepRecord::sigma_theta_rad), degrees_per_rad))};
+}
+
 std::string plot_figures(const RunReport& report, const TimeAxis& axis) {
   const std::vector<double> stamps = column(report.steps, [](auto& s) { return s.stamp_s; });
   const std::vector<double> sigma_x = column(report.steps, [](auto& s) { return s.sigma_x_m; });
@@ -81,15 +93,8 @@ std::string plot_figures(const RunReport& report, const TimeAxis& axis) {
   const std::vector<double> sigma_theta =
       scaled(column(report.steps, [](auto& s) { return s.sigma_theta_rad; }), degrees_per_rad);
   std::string html;
-  if (report.errors) {
-    const TrackErrors& e = *report.errors;
-    html += render_plot(position_plot(e), axis);
-    html += render_plot(error_plot("Error in x", "m", e, e.x_error_m, report.steps, sigma_x), axis);
-    html += render_plot(error_plot("Error in y", "m", e, e.y_error_m, report.steps, sigma_y), axis);
-    html += render_plot(error_plot("Error in heading", "degrees", e,
-                                   scaled(e.heading_error_rad, degrees_per_rad), report.steps, sigma_theta),
-                        axis);
-  }
+  if (report.errors) html += render_plot(position_plot(*report.errors), axis);
+  for (const Plot& plot : error_plots(report)) html += render_plot(plot, axis);
   html += render_plot(n_eff_plot(report, stamps), axis);
   html += render_plot({"Standard deviation of position",
                        "m",

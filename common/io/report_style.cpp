@@ -51,7 +51,8 @@ path{fill:none;vector-effect:non-scaling-stroke;stroke-linejoin:round;stroke-lin
 .estimate{stroke-width:1.8px}
 .odometry{stroke-width:1.6px;stroke-dasharray:6 4}
 .faint{opacity:.25}.half{opacity:.55}
-.snap,.closeups use{stroke-width:2.6px}
+.snap,.trail,.closeups use{stroke-width:2.6px}
+.trail{opacity:.35}
 .closeups use.dots{stroke-width:1.7px}
 .arrow{stroke:var(--text);stroke-width:2.4px}
 .spot{stroke-width:13px}

@@ -7,8 +7,10 @@
 #include <cstddef>
 #include <iterator>
 #include <numeric>
+#include <optional>
 
 #include "common/io/html_text.h"
+#include "common/io/plot_axis.h"
 
 namespace parloc {
 namespace {
@@ -16,126 +18,8 @@ namespace {
 constexpr int plot_columns = 1000;
 constexpr double plot_width = 1000, plot_height = 200;  // user units; stretched to the page
 
-/// The vertical axis: where a value lies, and its labelled ticks.
-struct ValueAxis {
-  double low = 0.0, high = 1.0;  // of log10 of the value if logarithmic
-  bool logarithmic = false;
-  double cut_off = 0.0;  // the largest value, if it lies outside
-
-  double y(double value) const {
-    const double v = logarithmic ? std::log10(std::max(value, 1e-30)) : value;
-    const double fraction = std::clamp((v - low) / (high - low), -2.0, 3.0);  // what lies outside is clipped
-    return plot_height * (1.0 - fraction);
-  }
-};
-
-struct Tick {
-  double value;
-  std::string label;
-};
-
-double nice_step(double span, int about) {
-  const double raw = span / about;
-  const double decade = std::pow(10.0, std::floor(std::log10(raw)));
-  for (const double factor : {1.0, 2.0, 5.0}) {
-    if (factor * decade >= raw) return factor * decade;
-  }
-  return 10 * decade;
-}
-
-std::vector<Tick> linear_ticks(double low, double high, int about) {
-  std::vector<Tick> ticks;
-  const double step = nice_step(high - low, about);
-  const int decimals = std::clamp(static_cast<int>(-std::floor(std::log10(step))), 0, 12);
-  const double first = std::ceil(low / step - 1e-9);
-  for (int k = 0; k <= 2 * about; ++k) {
-    const double value = (first + k) * step;
-    if (value > high + 1e-9 * step) break;
-    ticks.push_back({value, number_text(value, decimals)});
-  }
-  return ticks;
-}
-
-std::vector<Tick> log_ticks(double low, double high) {
-  std::vector<Tick> ticks;
-  const int stride = std::max(1, static_cast<int>((high - low) / 5));
-  for (int k = static_cast<int>(std::ceil(low)); k <= high; k += stride) {
-    const double value = std::pow(10.0, k);
-    ticks.push_back({value, number_text(value, std::max(0, -k))});
-  }
-  return ticks;
-}
-
-std::vector<double> drawable_values(const std::vector<PlotSeries>& series) {
-  std::vector<double> values;
-  for (const PlotSeries& s : series)
-    std::copy_if(s.y.begin(), s.y.end(), std::back_inserter(values), drawable);
-  return values;
-}
-
-double largest_band(const std::vector<PlotBand>& bands) {
-  double largest = 0.0;
-  for (const PlotBand& band : bands) {
-    for (const double half : band.half) {
-      if (drawable(half)) largest = std::max(largest, std::abs(half));
-    }
-  }
-  return largest;
-}
-
-/// The value that 98% of `values` stay below.
-double usual_size(std::vector<double> values) {
-  for (double& v : values) v = std::abs(v);
-  const auto at = values.begin() + static_cast<std::ptrdiff_t>(0.98 * static_cast<double>(values.size() - 1));
-  std::nth_element(values.begin(), at, values.end());
-  return *at;
-}
-
-/// Errors of metres before the filter has settled would flatten the centimetres after it: they are cut off,
-/// and the caption says how far they reach.
-ValueAxis symmetric_axis(const std::vector<double>& values, double largest, double band) {
-  const double usual = usual_size(values);
-  const double shown = usual > 0.0 && largest > 8 * usual ? 2 * usual : largest;
-  double limit = std::max(1.1 * shown, std::min(1.1 * band, 2.5 * shown));
-  if (shown == 0.0) limit = band;
-  if (limit <= 0.0) limit = 1.0;
-  return {-limit, limit, false, largest > limit ? largest : 0.0};
-}
-
-/// Whether a few values are so far above the rest that a linear axis would flatten it.
-bool wants_logarithm(std::vector<double>& values, double high) {
-  auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  return *middle > 0.0 && high > 15.0 * *middle;
-}
-
-ValueAxis log_axis(const std::vector<double>& values, double high) {
-  double least = high;
-  for (const double v : values) {
-    if (v > 1e-4 * high) least = std::min(least, v);
-  }
-  const double top = std::log10(high) + 0.05;
-  return {std::min(std::floor(std::log10(least) * 4) / 4, top - 1.0), top, true, 0.0};
-}
-
-ValueAxis value_axis(const Plot& plot, std::vector<double> values) {
-  for (const PlotLevel& level : plot.levels) {
-    if (drawable(level.y)) values.push_back(level.y);
-  }
-  const auto [low_at, high_at] = std::minmax_element(values.begin(), values.end());
-  double low = *low_at, high = *high_at;
-  if (plot.scale == PlotScale::symmetric) {
-    return symmetric_axis(values, std::max(std::abs(low), std::abs(high)), largest_band(plot.bands));
-  }
-  if (plot.scale == PlotScale::automatic && wants_logarithm(values, high)) return log_axis(values, high);
-  if (plot.scale != PlotScale::linear) low = std::min(0.0, low);
-  if (!(high > low)) low -= 0.5 * std::max(1.0, std::abs(low)), high = low + std::max(1.0, std::abs(high));
-  return {low, high + 0.06 * (high - low), false, 0.0};
-}
-
-/// Whether columns stand for so many samples that a line through all of them would be a solid area.
-bool crowded(const std::vector<EnvelopeColumn>& columns) {
-  return std::any_of(columns.begin(), columns.end(), [](const EnvelopeColumn& c) { return c.samples > 2; });
+double y_of(const ValueAxis& axis, double value) {
+  return plot_height * (1.0 - axis.fraction(value));
 }
 
 /// Through the extremes of each column, or through the means.
@@ -145,7 +29,7 @@ std::string curve_path(const std::vector<EnvelopeColumn>& columns, const ValueAx
   bool pen_down = false;
   for (const EnvelopeColumn& c : columns) {
     const char command = pen_down && !c.gap_before ? 'L' : 'M';
-    const double low_y = axis.y(means ? c.mean : c.low), high_y = axis.y(means ? c.mean : c.high);
+    const double low_y = y_of(axis, means ? c.mean : c.low), high_y = y_of(axis, means ? c.mean : c.high);
     fmt::format_to(out, "{}{:.1f} {:.1f}", command, plot_width * c.x, low_y);
     if (low_y - high_y >= 0.05) fmt::format_to(out, "V{:.1f}", high_y);
     if (low_y - high_y < 0.05 && command == 'M') d += "h0";  // a lone sample shows as a dot
@@ -159,10 +43,10 @@ std::string band_path(const std::vector<EnvelopeColumn>& columns, const ValueAxi
   auto out = std::back_inserter(d);
   for (std::size_t k = 0; k < columns.size(); ++k) {
     fmt::format_to(out, "{}{:.1f} {:.1f}", k == 0 ? 'M' : 'L', plot_width * columns[k].x,
-                   axis.y(columns[k].high));
+                   y_of(axis, columns[k].high));
   }
   for (std::size_t k = columns.size(); k-- > 0;) {
-    fmt::format_to(out, "L{:.1f} {:.1f}", plot_width * columns[k].x, axis.y(-columns[k].high));
+    fmt::format_to(out, "L{:.1f} {:.1f}", plot_width * columns[k].x, y_of(axis, -columns[k].high));
   }
   return d.empty() ? d : d + "Z";
 }
@@ -181,12 +65,13 @@ std::string marks_path(const std::vector<double>& stamp_s, const TimeAxis& axis)
   return d;
 }
 
-std::string grid_path(const std::vector<Tick>& y_ticks, const std::vector<Tick>& x_ticks,
+std::string grid_path(const std::vector<AxisTick>& y_ticks, const std::vector<AxisTick>& x_ticks,
                       const ValueAxis& axis, double x_span) {
   std::string d;
   auto out = std::back_inserter(d);
-  for (const Tick& tick : y_ticks) fmt::format_to(out, "M0 {:.1f}H{:.0f}", axis.y(tick.value), plot_width);
-  for (const Tick& tick : x_ticks) {
+  for (const AxisTick& tick : y_ticks)
+    fmt::format_to(out, "M0 {:.1f}H{:.0f}", y_of(axis, tick.value), plot_width);
+  for (const AxisTick& tick : x_ticks) {
     fmt::format_to(out, "M{:.1f} 0V{:.0f}", plot_width * tick.value / x_span, plot_height);
   }
   return d;
@@ -194,12 +79,6 @@ std::string grid_path(const std::vector<Tick>& y_ticks, const std::vector<Tick>&
 
 void append_path(std::string& html, const std::string& classes, const std::string& d) {
   if (!d.empty()) fmt::format_to(std::back_inserter(html), "<path class=\"{}\" d=\"{}\"/>", classes, d);
-}
-
-/// What a reader must know about the vertical axis.
-std::string remark(const ValueAxis& axis) {
-  if (axis.logarithmic) return ", logarithmic";
-  return axis.cut_off > 0.0 ? ", peaks up to " + number_text(axis.cut_off, 2) : "";
 }
 
 std::string legend(const Plot& plot) {
@@ -241,7 +120,7 @@ std::string drawing(const Plot& plot, const TimeAxis& time, const ValueAxis& axi
   for (const PlotLevel& l : plot.levels) {
     if (!drawable(l.y)) continue;
     append_path(svg, "dash " + escape_html(l.colour),
-                fmt::format("M0 {:.1f}H{:.0f}", axis.y(l.y), plot_width));
+                fmt::format("M0 {:.1f}H{:.0f}", y_of(axis, l.y), plot_width));
   }
   for (const PlotMarks& m : plot.marks)
     append_path(svg, "tick " + escape_html(m.colour), marks_path(m.stamp_s, time));
@@ -296,26 +175,24 @@ std::vector<EnvelopeColumn> envelope(const TimeAxis& axis, const std::vector<dou
 }
 
 std::string render_plot(const Plot& plot, const TimeAxis& axis) {
-  const std::vector<double> values = drawable_values(plot.series);
-  if (values.empty()) return "";
-  const ValueAxis value = value_axis(plot, values);
-  const std::vector<Tick> y_ticks =
-      value.logarithmic ? log_ticks(value.low, value.high) : linear_ticks(value.low, value.high, 4);
+  const std::optional<ValueAxis> fitted = value_axis(plot);
+  if (!fitted) return "";
+  const ValueAxis& value = *fitted;
+  const std::vector<AxisTick> y_ticks = ticks(value), x_ticks = ticks(axis);
   const double x_span = axis.span_s / axis.unit_s;
-  const std::vector<Tick> x_ticks = linear_ticks(0.0, x_span, 6);
 
   std::string html = "<figure class=\"plot\"><figcaption><b>" + escape_html(plot.title) + "</b> [" +
                      escape_html(plot.unit) + remark(value) + "]" + legend(plot) +
                      "</figcaption><div class=\"axes\"><div class=\"y\">";
   auto out = std::back_inserter(html);
-  for (const Tick& t : y_ticks) {
-    fmt::format_to(out, "<span style=\"top:{:.2f}%\">{}</span>", 100 * value.y(t.value) / plot_height,
+  for (const AxisTick& t : y_ticks) {
+    fmt::format_to(out, "<span style=\"top:{:.2f}%\">{}</span>", 100 * (1.0 - value.fraction(t.value)),
                    t.label);
   }
   html += "</div><div class=\"area\">" +
           drawing(plot, axis, value, grid_path(y_ticks, x_ticks, value, x_span)) +
           "<div class=\"now\"></div></div><div class=\"x\">";
-  for (const Tick& t : x_ticks) {
+  for (const AxisTick& t : x_ticks) {
     fmt::format_to(out, "<span style=\"left:{:.2f}%\">{}</span>", 100 * t.value / x_span, t.label);
   }
   return html + "<em>" + axis.unit + "</em></div></div></figure>\n";

@@ -86,7 +86,8 @@ TEST_F(Program, LocalizesAndWritesEverything) {
   EXPECT_NE(read_file(path("out/report.html")).find("</html>"), std::string::npos);
   const Json metrics = Json::parse(read_file(path("out/metrics.json")));
   EXPECT_LT(metrics.at("position_max_m").get<double>(), 0.2);  // two cells
-  EXPECT_EQ(contents(folder / "out").size(), 4u);              // nothing temporary is left
+  EXPECT_EQ(read_file(path("out/errors.png")).substr(1, 3), "PNG");
+  EXPECT_EQ(contents(folder / "out").size(), 5u);  // nothing temporary is left
 }
 
 TEST_F(Program, JsonIsAllThatIsPrinted) {
@@ -119,6 +120,31 @@ TEST_F(Program, WithoutTruthErrorsAreNull) {
   const Json metrics = Json::parse(outcome.out);
   EXPECT_TRUE(metrics.at("position_rmse_m").is_null());
   EXPECT_TRUE(metrics.at("heading_mae_rad").is_null());
+}
+
+TEST_F(Program, OdometryOnlyMovesParticlesWithoutScans) {
+  const auto figures = [&](const Args& more) {
+    Args args = run_args({"--particles", "300", "--odometry-only", "--json"}, "drive.log", "alone");
+    args.insert(args.end(), more.begin(), more.end());
+    const Outcome outcome = call(args);
+    EXPECT_EQ(outcome.code, 0) << outcome.err;
+    const Json metrics = Json::parse(outcome.out);
+    EXPECT_EQ(metrics.at("odometry_only"), true);
+    EXPECT_EQ(metrics.at("beams_used"), 0);
+    EXPECT_EQ(metrics.at("steps"), kScans);
+    EXPECT_EQ(read_file(path("alone/picture.png")).substr(1, 3), "PNG");
+    EXPECT_NE(read_file(path("alone/report.html")).find("class=\"trail\""), std::string::npos);
+    return metrics;
+  };
+  const Json with_truth = figures({"--truth", path("truth.tum")});
+  EXPECT_LT(with_truth.at("odometry").at("position_max_m").get<double>(), 1e-6);  // the drive's is exact
+  EXPECT_NE(read_file(path("alone/report.html")).find("Error in heading"), std::string::npos);
+  EXPECT_TRUE(fs::exists(path("alone/errors.png")));
+
+  const Json without_truth = figures({"--init", "1,1,0"});
+  EXPECT_TRUE(without_truth.at("odometry").is_null());
+  EXPECT_EQ(read_file(path("alone/report.html")).find("Error in heading"), std::string::npos);
+  EXPECT_FALSE(fs::exists(path("alone/errors.png")));  // nor is that of the run before left
 }
 
 TEST_F(Program, RelationsAreCompared) {

@@ -107,6 +107,50 @@ TEST(LocalizeLog, AnywhereHasNoDeadReckoning) {
   EXPECT_EQ(run.trajectory.size(), 5u);
 }
 
+double spread_m(const StepRecord& step) {
+  return std::hypot(step.sigma_x_m, step.sigma_y_m);
+}
+
+TEST(LocalizeLog, OdometryOnlySpreadsTheParticlesAndWeighsNothing) {
+  const test::SmallDrive drive = test::small_drive(test::small_room(), 40);
+  LocalizeRequest request = small_request();
+  request.config.particles = 2000;
+  const double with_scans_m = spread_m(localize(test::carmen_log_of(drive), request).steps.back());
+  request.odometry_only = true;
+  const Localization run = localize(test::carmen_log_of(drive), request);
+
+  EXPECT_EQ(run.beams.used, 0u);
+  EXPECT_EQ(run.lost_steps, 0u);
+  for (const StepRecord& step : run.steps) {
+    EXPECT_FALSE(step.resampled);
+    EXPECT_DOUBLE_EQ(step.n_eff, 2000.0);  // equal weights
+  }
+  for (std::size_t k = 8; k < run.steps.size(); k += 8) {
+    EXPECT_GT(spread_m(run.steps[k]), spread_m(run.steps[k - 8])) << k;
+    EXPECT_GT(run.steps[k].sigma_theta_rad, run.steps[k - 8].sigma_theta_rad) << k;
+  }
+  EXPECT_GT(spread_m(run.steps.back()), 5.0 * with_scans_m);
+  for (std::size_t k = 0; k < run.steps.size(); ++k) {
+    // The mean of 2000 is within 5 / sqrt(2000) = 0.11 sigma; the cloud's bend shortens it by a little more.
+    EXPECT_LT(std::hypot(run.trajectory[k].pose.x_m - run.odometry[k].pose.x_m,
+                         run.trajectory[k].pose.y_m - run.odometry[k].pose.y_m),
+              0.2 * spread_m(run.steps[k]))
+        << k;
+  }
+  for (const Snapshot& snapshot : run.snapshots) EXPECT_TRUE(snapshot.scan_points.empty());
+}
+
+TEST(LocalizeLog, OdometryOnlyDoesNotLookAtTheScans) {
+  test::SmallDrive drive = test::small_drive(test::small_room(), 10);
+  LocalizeRequest request = small_request();
+  request.odometry_only = true;
+  const std::string digest = localize(test::carmen_log_of(drive), request).digest;
+  for (LogRecord& record : drive.scans) record.scan.ranges_m.assign(61, 1.0F);
+  EXPECT_EQ(localize(test::carmen_log_of(drive), request).digest, digest);
+  request.odometry_only = false;
+  EXPECT_NE(localize(test::carmen_log_of(drive), request).digest, digest);
+}
+
 TEST(LocalizeLog, SnapshotsAreFewEvenAndEndWithTheLastScan) {
   for (const int count : {1, 5, 12, 13, 40}) {
     const test::SmallDrive drive = test::small_drive(test::small_room(), count);

@@ -19,6 +19,7 @@
 #include "common/error.h"
 #include "common/io/html_text.h"
 #include "common/io/map_view.h"
+#include "common/io/plot_axis.h"
 #include "common/io/png_writer.h"
 #include "common/io/report_parts.h"
 #include "common/io/svg_plot.h"
@@ -275,6 +276,8 @@ TEST_F(ReportTest, WorksWithoutTruth) {
   EXPECT_EQ(page.find("truth c2"), std::string::npos);
   EXPECT_NE(page.find("Effective particles"), std::string::npos);
   write_picture(in_folder("no_truth.png"), report);
+  EXPECT_THROW(write_error_picture(in_folder("no_errors.png"), report), Error);
+  EXPECT_FALSE(std::filesystem::exists(in_folder("no_errors.png")));
 }
 
 TEST_F(ReportTest, WorksWithoutAnything) {
@@ -315,6 +318,7 @@ TEST_F(ReportTest, ValuesThatAreNotFiniteLeaveGaps) {
   report.resample_below = infinity;
   expect_well_formed(html(report, "gaps.html"));
   write_picture(in_folder("gaps.png"), report);
+  write_error_picture(in_folder("gaps_errors.png"), report);
   report.estimate.assign(5, {nan, {nan, nan, nan}});
   report.truth->clear();
   expect_well_formed(html(report, "all_gaps.html"));
@@ -355,6 +359,48 @@ TEST_F(ReportTest, PictureIsAPngWithEveryPath) {
   EXPECT_GT(pixels_of(picture, 230, 159, 0), 1000U) << "truth";
   EXPECT_GT(pixels_of(picture, 181, 80, 140), 500U) << "odometry";
   EXPECT_GT(pixels_of(picture, 25, 28, 32), 1000U) << "walls";
+}
+
+TEST_F(ReportTest, EveryCloudIsShownWhenAsked) {
+  RunReport report = sample(&map_, 600);
+  for (const bool every_cloud : {false, true}) {
+    report.every_cloud = every_cloud;
+    const std::string page = html(report, "clouds.html");
+    expect_well_formed(page);
+    EXPECT_EQ(count(page, "<g class=\"trail\">"), every_cloud ? 1U : 0U);
+    EXPECT_EQ(count(page, "<use href=\"#cloud"),
+              every_cloud ? 8U : 0U);  // close-ups have a class before href
+    write_picture(in_folder("clouds.png"), report);
+    const Picture picture = decode(read(in_folder("clouds.png")));
+    std::size_t green = 0;
+    for (std::size_t k = 0; k + 2 < picture.rgb.size(); k += 3)
+      green +=
+          picture.rgb[k + 1] > picture.rgb[k] + 40 && picture.rgb[k + 1] > picture.rgb[k + 2] + 10 ? 1 : 0;
+    // The first cloud is 1.5 m wide; the last one lies under the mark of the end, most of it.
+    if (every_cloud)
+      EXPECT_GT(green, 3000U);
+    else
+      EXPECT_LT(green, 1500U);
+  }
+}
+
+TEST_F(ReportTest, ErrorPictureHasThreePanelsWithErrorAndBand) {
+  for (const int steps : {300, 15000}) {  // a line, and so many samples that means are drawn
+    write_error_picture(in_folder("errors.png"), sample(&map_, steps));
+    const Picture picture = decode(read(in_folder("errors.png")));
+    ASSERT_GT(picture.height, 600);
+    const std::size_t panel = picture.rgb.size() / static_cast<std::size_t>(picture.height) * 220;
+    for (std::size_t k = 0; k < 3; ++k) {
+      std::size_t error = 0, band = 0;
+      for (std::size_t p = k * panel; p < (k + 1) * panel; p += 3) {
+        const int red = picture.rgb[p], green = picture.rgb[p + 1], blue = picture.rgb[p + 2];
+        error += red == 0 && green == 114 && blue == 178 ? 1 : 0;
+        band += green > red + 20 && green > blue ? 1 : 0;
+      }
+      EXPECT_GT(error, 500U) << k;
+      EXPECT_GT(band, 1000U) << k;
+    }
+  }
 }
 
 TEST_F(ReportTest, RefusesAMapThatDoesNotFitItsCells) {
@@ -438,6 +484,16 @@ TEST(RenderPlot, TellsOfPeaksThatAnErrorPlotCutsOff) {
   EXPECT_NE(render_plot(plot, time_axis(plot.series[0].stamp_s)).find("peaks up to 3.25"), std::string::npos);
   plot.series[0].y.assign(1000, 0.02);
   EXPECT_EQ(render_plot(plot, time_axis(plot.series[0].stamp_s)).find("peaks"), std::string::npos);
+}
+
+TEST(ValueAxis, HasMoreLabelsThanZero) {
+  for (const double largest : {0.041, 0.9, 1.0, 2.1, 4.4, 4.6, 77.0}) {
+    const Plot plot{"", "m", PlotScale::symmetric, {{"", "c1", {0, 1}, {-largest, largest}}}, {}, {}, {}};
+    const ValueAxis axis = value_axis(plot).value();
+    EXPECT_GE(ticks(axis).size(), 3U) << largest;
+    EXPECT_LE(ticks(axis).size(), 9U) << largest;
+    EXPECT_NEAR(axis.fraction(0.0), 0.5, 1e-12);
+  }
 }
 
 TEST(Envelope, OrdersStampsThatRunBackwardsAndMarksGaps) {
