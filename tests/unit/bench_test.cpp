@@ -398,7 +398,8 @@ TEST(Memory, TooLargeIsSaidBefore) {
   EXPECT_EQ(too_large(cpu, 1000, needed_bytes(cpu, 1000)), "");
   const std::string why = too_large(cpu, std::int64_t{1} << 24, std::uint64_t{1} << 30);
   EXPECT_NE(why.find("1.07 GB are available"), std::string::npos) << why;
-  // 16 M particles take 81 bytes each (measured: 1 M take 96 MB more than one), and the cloud kept beside them 16.
+  // 16 M particles take 81 bytes each (measured: 1 M take 96 MB more than one), and the cloud kept beside
+  // them 16.
   EXPECT_GT(needed_bytes(cpu, std::int64_t{1} << 24), std::uint64_t{1'600'000'000});
   EXPECT_LT(needed_bytes(cpu, std::int64_t{1} << 24), std::uint64_t{2'000'000'000});
   const std::uint64_t available = std::uint64_t{1} << 30;
