@@ -128,14 +128,9 @@ class CpuBackend final : public Backend {
   std::vector<std::uint32_t> ancestors() const override { return ancestor_; }
 
  private:
-  static Beams view(const BeamTable& t) {
-    return {t.direction_x.data(), t.direction_y.data(), t.range_m.data(), t.short_density.data(),
-            t.end_x.data(),       t.end_y.data(),       t.count,          t.hits,
-            t.range_max_m,        t.sensor_x,           t.sensor_y};
-  }
   RayTraceArgs ray_args(const BeamTable& beams) {
     const RayMap map = bind_ray_map(skip_.lines.empty() ? nullptr : skip_.lines.data(), skip_.plane, map_);
-    return bind_rays(view(now_), map, view(beams), config_.sensor);
+    return bind_rays(view(now_), map, bind_beams(beams), config_.sensor);
   }
   /// Log-weights stay in their slots, so that one array serves both buffers of poses.
   Particles view(Poses& p) {

@@ -64,7 +64,7 @@ HWY_INLINE VF nonzero(VF d) {
   return hn::IfThenElse(hn::Lt(hn::Abs(d), hn::Set(f32, 1e-12f)), hn::Set(f32, 1e-20f), d);
 }
 
-/// What of the start is the same for all rays of a particle.
+/// Where rays start [cells], and the corner of that cell.
 struct Start {
   VF u, v, i, j;
 };
@@ -80,7 +80,7 @@ HWY_INLINE VI whole_bits(VF x) {
 
 constexpr float kBehind_cells = 1.0f / 16;  // more than a float32 crossing can err on any map
 
-/// Rays of the given base-frame directions, in the particle's cell.
+/// Rays of the given base-frame directions, in the cells they start in.
 HWY_INLINE Rays start_rays(const RayMap& map, const RayOrigin& o, const Start& s, VF bx, VF by) {
   const VF cos = hn::Set(f32, o.c), sin = hn::Set(f32, o.s), one = hn::Set(f32, 1.0f), zero = hn::Zero(f32);
   const VF minus = hn::Set(f32, -1.0f);
@@ -215,8 +215,17 @@ class Tracer {
     if (at < last) leap(Group<1>(), at);
   }
 
-  HWY_INLINE Start start() const {
-    const VF u = hn::Set(f32, o_.u), v = hn::Set(f32, o_.v);
+  /// `origin(p)` gives the lanes' entries of the array p: origin_x or origin_y.
+  template <class Origin>
+  HWY_INLINE Start start(const Origin& origin) const {
+    VF u = hn::Set(f32, o_.u), v = hn::Set(f32, o_.v);
+    if (a_.beams.origin_spread_m > 0.0f) {  // ray_of_beam
+      const VF x = origin(a_.beams.origin_x), y = origin(a_.beams.origin_y);
+      const VF cos = hn::Set(f32, o_.c), sin = hn::Set(f32, o_.s),
+               per_m = hn::Set(f32, a_.map.inv_resolution);
+      u = hn::Mul(hn::MulAdd(cos, x, hn::NegMulAdd(sin, y, hn::Set(f32, o_.x_m))), per_m);
+      v = hn::Mul(hn::MulAdd(sin, x, hn::MulAdd(cos, y, hn::Set(f32, o_.y_m))), per_m);
+    }
     return {u, v, hn::Floor(u), hn::Floor(v)};
   }
   template <int kVectors>
@@ -243,8 +252,8 @@ class Tracer {
     for (int f = 0; f < kVectors; ++f) {
       const std::size_t at = first + static_cast<std::size_t>(f) * lanes;
       const MF used = hn::FirstN(f32, last - at);
-      r[f] = start_rays(a_.map, o_, start(), hn::MaskedLoad(used, f32, a_.beams.direction_x + at),
-                        hn::MaskedLoad(used, f32, a_.beams.direction_y + at));
+      const auto of = [&](const float* p) { return hn::MaskedLoad(used, f32, p + at); };
+      r[f] = start_rays(a_.map, o_, start(of), of(a_.beams.direction_x), of(a_.beams.direction_y));
       r[f].alive = used;
     }
     leap_all(r);
@@ -265,8 +274,8 @@ class Tracer {
       const MF used = hn::FirstN(f32, count - at);
       const auto used_i = hn::RebindMask(i32, used);
       const VI beam = hn::IfThenElseZero(used_i, hn::Load(i32, on_.beam + at));
-      r[f] = start_rays(a_.map, o_, start(), hn::GatherIndex(f32, a_.beams.direction_x, beam),
-                        hn::GatherIndex(f32, a_.beams.direction_y, beam));
+      const auto of = [&](const float* p) { return hn::GatherIndex(f32, p, beam); };
+      r[f] = start_rays(a_.map, o_, start(of), of(a_.beams.direction_x), of(a_.beams.direction_y));
       r[f].alive = used;
       r[f].line = hn::IfThenElse(used, hn::Load(f32, on_.line + at), r[f].line);
       r[f].other_cell = hn::IfThenElse(used, hn::Load(f32, on_.other_cell + at), r[f].other_cell);
@@ -289,7 +298,7 @@ class Tracer {
 
 void skip_first(const RayTraceArgs& a, const RayOrigin& o, std::size_t first, std::size_t last,
                 float* expected_m, Travellers& on) {
-  if (!a.map.contains_point(o.u, o.v)) {  // rare: a particle off the map
+  if (!starts_inside(a, o)) {  // rare: a particle off the map
     for (std::size_t m = first; m < last; ++m) expected_m[m] = trace_beam(a, o, m);
     return;
   }
@@ -330,10 +339,10 @@ HWY_INLINE float march_ray(const RayMap& map, const Ray& ray, float reach_cells,
 
 void march(const RayTraceArgs& a, const RayOrigin& o, std::size_t first, std::size_t last,
            float* expected_m) {
-  const bool inside = a.map.contains_point(o.u, o.v);
+  const bool inside = starts_inside(a, o);
   const float range_max_m = a.beams.range_max_m, reach_cells = range_max_m * a.map.inv_resolution;
   for (std::size_t m = first; m < last; ++m) {
-    const Ray ray = beam_ray(o.u, o.v, o.c, o.s, a.beams.direction_x[m], a.beams.direction_y[m]);
+    const Ray ray = ray_of_beam(a, o, m);
     expected_m[m] = inside && a.fixed_step_cells <= 1.0f
                         ? march_ray(a.map, ray, reach_cells, a.fixed_step_cells, range_max_m)
                         : trace_beam(a, o, m);

@@ -142,7 +142,7 @@ class CudaBackend final : public Backend {
     reserve_expected();
     input_.copy_to_device(stream_);
     trace();
-    return expected_m_.to_host(count_ * input_.host().beams, stream_);
+    return expected_m_.to_host(count_ * input_.host().scan.count, stream_);
   }
 
   void weight(bool fused) override {
@@ -228,7 +228,7 @@ class CudaBackend final : public Backend {
 
   void reserve_expected() {
     use_device();
-    const std::size_t size = count_ * input_.host().beams;
+    const std::size_t size = count_ * input_.host().scan.count;
     if (size > expected_m_.size()) steps_.clear();  // they know the old place
     expected_m_.reserve(size);
   }

@@ -15,18 +15,13 @@ namespace parloc::PARLOC_CUDA_NAMESPACE {
 struct alignas(16) StepInput {
   MotionStep motion;
   RandomKey key;
-  std::size_t beams = 0, hits = 0;
-  float range_max_m = 0.0f, sensor_x = 0.0f, sensor_y = 0.0f;
+  ScanShape scan;
   CensoredBeam censored;  ///< Depends on the maximum range.
 };
 
 /// `args` with the scan of this step; the arrays stay where they are.
 PARLOC_HD RayTraceArgs with_scan(RayTraceArgs args, const StepInput& input) {
-  args.beams.count = input.beams;
-  args.beams.hits = input.hits;
-  args.beams.range_max_m = input.range_max_m;
-  args.beams.sensor_x = input.sensor_x;
-  args.beams.sensor_y = input.sensor_y;
+  static_cast<ScanShape&>(args.beams) = input.scan;
   return args;
 }
 
@@ -42,11 +37,9 @@ class StepInputBuffer {
   bool set_scan(const BeamTable& t) {
     const bool moves = t.count > capacity_;
     if (moves) grow(t.count);
-    StepInput& in = host();
-    in.beams = t.count, in.hits = t.hits;
-    in.range_max_m = t.range_max_m, in.sensor_x = t.sensor_x, in.sensor_y = t.sensor_y;
-    const std::array from = {&t.direction_x,   &t.direction_y, &t.range_m,
-                             &t.short_density, &t.end_x,       &t.end_y};
+    host().scan = t;
+    const std::array from = {&t.origin_x, &t.origin_y,      &t.direction_x, &t.direction_y,
+                             &t.range_m,  &t.short_density, &t.end_x,       &t.end_y};
     for (std::size_t k = 0; k < from.size(); ++k)
       std::copy(from[k]->begin(), from[k]->end(), array(host_.data(), k));
     return moves;
@@ -54,16 +47,14 @@ class StepInputBuffer {
 
   void copy_to_device(Stream stream) const { copy_down(device_.data(), host_.data(), host_.size(), stream); }
 
-  /// Where the arrays are on the device, with the sizes that the host knows.
+  /// Where the arrays are on the device, with the shape that the host knows.
   Beams beams() {
     const auto at = [this](std::size_t k) { return array(device_.data(), k); };
-    const StepInput& in = host();
-    return {at(0),    at(1),   at(2),          at(3),       at(4),      at(5),
-            in.beams, in.hits, in.range_max_m, in.sensor_x, in.sensor_y};
+    return {host().scan, at(0), at(1), at(2), at(3), at(4), at(5), at(6), at(7)};
   }
 
  private:
-  static constexpr std::size_t kArrays = 6;
+  static constexpr std::size_t kArrays = 8;
 
   float* array(unsigned char* memory, std::size_t k) const {
     return reinterpret_cast<float*>(memory + sizeof(StepInput)) + k * capacity_;

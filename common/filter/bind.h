@@ -3,6 +3,7 @@
 
 #include "common/filter/stages.h"
 #include "common/map/grid_map.h"
+#include "common/model/beams.h"
 
 namespace parloc {
 
@@ -26,6 +27,19 @@ inline RayMap bind_ray_map(const std::uint8_t* skip, std::int32_t skip_plane, co
 /// `table`: a likelihood table (common/model/likelihood_field.h), or null for models that do not look up.
 inline LikelihoodField bind_field(const float* table, const GridMap& map) {
   return {first_cell(table, map), map.width, map.height, map.width + 2};
+}
+
+/// The table where it is, for a backend that works in host memory.
+inline Beams bind_beams(const BeamTable& t) {
+  return {t,
+          t.origin_x.data(),
+          t.origin_y.data(),
+          t.direction_x.data(),
+          t.direction_y.data(),
+          t.range_m.data(),
+          t.short_density.data(),
+          t.end_x.data(),
+          t.end_y.data()};
 }
 
 inline RayTraceArgs bind_rays(const Particles& particles, const RayMap& map, const Beams& beams,

@@ -28,6 +28,7 @@
 #include "common/model/likelihood_field.h"
 #include "common/model/motion.h"
 #include "common/model/ray_models.h"
+#include "common/model/scan_shape.h"
 
 namespace parloc {
 
@@ -49,17 +50,15 @@ struct RandomKey {
 };
 
 /// A BeamTable in the backend's memory (common/model/beams.h).
-struct Beams {
+struct Beams : ScanShape {
+  const float* origin_x = nullptr;
+  const float* origin_y = nullptr;
   const float* direction_x = nullptr;
   const float* direction_y = nullptr;
   const float* range_m = nullptr;
   const float* short_density = nullptr;
   const float* end_x = nullptr;
   const float* end_y = nullptr;
-  std::size_t count = 0;
-  std::size_t hits = 0;
-  float range_max_m = 0.0f;
-  float sensor_x = 0.0f, sensor_y = 0.0f;
 };
 
 struct PredictArgs {

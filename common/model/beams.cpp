@@ -1,5 +1,6 @@
 #include "common/model/beams.h"
 
+#include <algorithm>
 #include <cmath>
 #include <numeric>
 
@@ -35,6 +36,8 @@ struct SensorFrame {
 void append_beam(BeamTable& t, const SensorFrame& f, double bearing_rad, float range_m,
                  const SensorConfig& sensor) {
   const SinCos64 a = portable_sincos64(wrap64(f.yaw_rad + bearing_rad));
+  t.origin_x.push_back(static_cast<float>(f.x_m));
+  t.origin_y.push_back(static_cast<float>(f.y_m));
   t.direction_x.push_back(static_cast<float>(a.cos));
   t.direction_y.push_back(static_cast<float>(a.sin));
   t.range_m.push_back(range_m);
@@ -45,12 +48,27 @@ void append_beam(BeamTable& t, const SensorFrame& f, double bearing_rad, float r
 }
 
 void clear(BeamTable& t) {
-  for (auto* v : {&t.direction_x, &t.direction_y, &t.range_m, &t.short_density, &t.end_x, &t.end_y})
+  for (auto* v : {&t.origin_x, &t.origin_y, &t.direction_x, &t.direction_y, &t.range_m, &t.short_density,
+                  &t.end_x, &t.end_y})
     v->clear();
   t.count = t.hits = 0;
 }
 
 }  // namespace
+
+// Distances rounded up a little, for they are bounds.
+void measure_origins(BeamTable& t) {
+  t.first_origin_x = t.count > 0 ? t.origin_x[0] : 0.0f;
+  t.first_origin_y = t.count > 0 ? t.origin_y[0] : 0.0f;
+  float spread_m = 0.0f, reach_m = 0.0f;
+  for (std::size_t m = 0; m < t.count; ++m) {
+    const float dx = t.origin_x[m] - t.first_origin_x, dy = t.origin_y[m] - t.first_origin_y;
+    spread_m = std::max(spread_m, std::sqrt(dx * dx + dy * dy));
+    reach_m = std::max(reach_m, std::sqrt(t.origin_x[m] * t.origin_x[m] + t.origin_y[m] * t.origin_y[m]));
+  }
+  t.origin_spread_m = spread_m * 1.001f;
+  t.origin_reach_m = reach_m * 1.001f;
+}
 
 void select_beams(const Scan& scan, const ScanConfig& config, const SensorConfig& sensor, double resolution_m,
                   BeamTable& table, BeamCounts& counts) {
@@ -58,8 +76,6 @@ void select_beams(const Scan& scan, const ScanConfig& config, const SensorConfig
   const double range_min_m = scan.range_min_m > 0 ? scan.range_min_m : config.laser_min_range;
   const double range_max_m = scan.range_max_m > 0 ? scan.range_max_m : config.laser_max_range;
   table.range_max_m = static_cast<float>(range_max_m);
-  table.sensor_x = static_cast<float>(scan.T_base_sensor.x_m);
-  table.sensor_y = static_cast<float>(scan.T_base_sensor.y_m);
   const SensorFrame frame{scan.T_base_sensor.x_m, scan.T_base_sensor.y_m, scan.T_base_sensor.theta_rad,
                           1.0 / resolution_m};
 
@@ -83,6 +99,7 @@ void select_beams(const Scan& scan, const ScanConfig& config, const SensorConfig
     if (pass == BeamClass::hit) table.hits = table.range_m.size();
   }
   table.count = table.range_m.size();
+  measure_origins(table);
 }
 
 namespace {
@@ -94,6 +111,8 @@ void append_scattered(const BeamTable& from, std::size_t first, std::size_t coun
   while (std::gcd(stride, count) != 1) ++stride;
   for (std::size_t k = 0; k < count; ++k) {
     const std::size_t m = first + k * stride % count;
+    to.origin_x.push_back(from.origin_x[m]);
+    to.origin_y.push_back(from.origin_y[m]);
     to.direction_x.push_back(from.direction_x[m]);
     to.direction_y.push_back(from.direction_y[m]);
     to.range_m.push_back(from.range_m[m]);
@@ -107,13 +126,10 @@ void append_scattered(const BeamTable& from, std::size_t first, std::size_t coun
 
 void scatter_beams(const BeamTable& table, BeamTable& out) {
   clear(out);
-  out.count = table.count;
-  out.hits = table.hits;
-  out.range_max_m = table.range_max_m;
-  out.sensor_x = table.sensor_x;
-  out.sensor_y = table.sensor_y;
+  static_cast<ScanShape&>(out) = table;
   append_scattered(table, 0, table.hits, out);
   append_scattered(table, table.hits, table.count - table.hits, out);
+  measure_origins(out);
 }
 
 }  // namespace parloc

@@ -143,13 +143,9 @@ void ray_trace(benchmark::State& state, const Case& c) {
                                     map.height, std::size_t{64} << 20);
   ParticleSet& set = rig.weighed;
   std::vector<float> expected_m(set.x.size() * rig.beams.count);
-  const BeamTable& t = rig.beams;
-  const Beams beams{t.direction_x.data(), t.direction_y.data(), t.range_m.data(), t.short_density.data(),
-                    t.end_x.data(),       t.end_y.data(),       t.count,          t.hits,
-                    t.range_max_m,        t.sensor_x,           t.sensor_y};
   RayTraceArgs args =
       bind_rays({set.x.data(), set.y.data(), set.theta.data(), set.log_weight.data(), set.x.size()},
-                bind_ray_map(skip.lines.data(), skip.plane, map), beams, c.sensor);
+                bind_ray_map(skip.lines.data(), skip.plane, map), bind_beams(rig.beams), c.sensor);
   args.expected_m = expected_m.data();
   cpu::Workers workers;
   workers.threads = c.threads;

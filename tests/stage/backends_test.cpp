@@ -39,6 +39,15 @@ Scan fan(std::size_t beams) {
   return s;
 }
 
+/// As if the beams came from several places on the robot.
+void spread_origins(BeamTable& beams) {
+  for (std::size_t m = 0; m < beams.count; ++m) {
+    beams.origin_x[m] += 0.02f * static_cast<float>(m % 11);
+    beams.origin_y[m] -= 0.01f * static_cast<float>(m % 7);
+  }
+  measure_origins(beams);
+}
+
 /// Everything a backend holds after a few steps.
 struct Trace {
   std::vector<float> expected_m;
@@ -61,6 +70,7 @@ Trace run(Backend& backend, const BackendConfig& config, std::int64_t particles,
     Scan scan = fan(120 - step);
     scan.range_max_m = step < 5 ? 4.0 : 3.0;
     select_beams(scan, scan_config, config.sensor, map.resolution_m, beams, counts);
+    if (step % 3 == 2) spread_origins(beams);
     if (step == 0 || step == 5) backend.set_range_max(beams.range_max_m);
     const RandomKey key{99, step};
     const float turn_rad = 0.05f - 0.01f * static_cast<float>(step);
@@ -218,7 +228,7 @@ TEST(References, AnEmptyPlaceIsWeighedAsByDda) {
   const GridMap map = grid_from_text(rows, 0.05);
   Scan scan = fan(120);
   scan.range_max_m = 1.5;
-  const auto weights = [&](RayCaster caster, SensorModel model) {
+  const auto weights = [&](RayCaster caster, SensorModel model, bool spread) {
     BackendConfig c;
     c.particles = 2000;
     c.sensor = default_sensor(model);
@@ -226,6 +236,7 @@ TEST(References, AnEmptyPlaceIsWeighedAsByDda) {
     BeamTable beams;
     BeamCounts counts;
     select_beams(scan, ScanConfig{}, c.sensor, map.resolution_m, beams, counts);
+    if (spread) spread_origins(beams);
     const auto backend = make_cpu_backend(c);
     backend->set_map(map);
     backend->upload(uniform_start(map, c.particles, 3));
@@ -235,7 +246,8 @@ TEST(References, AnEmptyPlaceIsWeighedAsByDda) {
     return backend->weights();
   };
   for (const SensorModel model : {SensorModel::gaussian, SensorModel::beam})
-    EXPECT_EQ(weights(RayCaster::skip, model), weights(RayCaster::dda, model));
+    for (const bool spread : {false, true})
+      EXPECT_EQ(weights(RayCaster::skip, model, spread), weights(RayCaster::dda, model, spread));
 }
 
 TEST(References, MultinomialBisectionEqualsTheLinearSearch) {
