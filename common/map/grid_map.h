@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "common/map/segment.h"
 #include "common/math/pose.h"
 
 namespace parloc {
@@ -20,7 +21,10 @@ struct GridMap {
   double resolution_m = 0.0;  ///< Cell size.
   Pose T_map_grid;  ///< Pose of the grid's lower-left corner in the map frame; yaw is kept, not resampled.
   std::vector<Cell> cells;  ///< width * height.
-  std::string name;         ///< Where it came from, for messages and reports.
+  /// If not empty, what rays end at, exactly; the cells are then a picture of it: occupied where a wall
+  /// passes.
+  std::vector<Segment> walls;
+  std::string name;  ///< Where it came from, for messages and reports.
 
   std::size_t size() const { return cells.size(); }
   bool contains(std::int32_t i, std::int32_t j) const { return i >= 0 && j >= 0 && i < width && j < height; }
