@@ -15,12 +15,18 @@ constexpr std::size_t kRangeRoom = kMaxBeams + 64;
 /// Stands in a row for a range that is not known yet.
 constexpr float kUnfinished_m = -1.0f;
 
-/// Rays that are still on their way after their first leaps, side by side.
-struct Travellers {
+/// Rays side by side, each in some cell.
+struct Queue {
   alignas(64) std::int32_t beam[kRangeRoom];
   alignas(64) float line[kRangeRoom];
   alignas(64) float other_cell[kRangeRoom];
   std::size_t count = 0;
+};
+
+/// Rays that are still on their way after their first leaps, and those of them that have come to a cell with
+/// walls to look at.
+struct Travellers {
+  Queue on, arrived;
 };
 
 /// The first leaps of beams [first, last): writes expected_m[first] to expected_m[last - 1], kUnfinished_m
