@@ -3,6 +3,7 @@
 #include "cpu/ray_trace.h"
 
 #include <algorithm>
+#include <cstring>
 
 #include "cpu/stages.h"
 
@@ -187,18 +188,19 @@ class Tracer {
         expected_m_(expected_m),
         on_(on.on),
         arrived_(on.arrived),
+        look_(on.look),
         reach_cells_(a.beams.range_max_m * a.map.inv_resolution) {}
 
   void first_leaps(std::size_t first, std::size_t last) {
     in_groups(first, last, [&](auto group, std::size_t at) { leap_first<decltype(group)::value>(at, last); });
-    look_at_walls();
+    if (arrived_.count > 0) look_at_walls();
   }
   void rest() {
     while (on_.count > 0) {
       const std::size_t count = on_.count;
       on_.count = 0;
       in_groups(0, count, [&](auto group, std::size_t at) { leap_on<decltype(group)::value>(at, count); });
-      look_at_walls();
+      if (arrived_.count > 0) look_at_walls();
     }
   }
 
@@ -305,83 +307,81 @@ class Tracer {
     return r;
   }
 
-  /// The part of cast_walls between leaps: the nearest wall in the cell that a ray has come to. If the ray
-  /// leaves the cell before it, it goes on from the next one.
+  /// The part of cast_walls between leaps, look_in_cell for all rays that have come to a cell with walls:
+  /// finds the nearest of them. A ray that leaves the cell before it goes on from the next one.
   void look_at_walls() {
     const std::size_t lanes = hn::Lanes(f32), count = arrived_.count;
-    const VF reach = hn::Set(f32, reach_cells_), none = hn::Set(f32, a_.beams.range_max_m);
-    for (std::size_t at = 0; at < count; at += lanes) {
-      VI beams;
-      Rays r = resumed(arrived_, at, count, beams);
-      const VF far = hn::IfThenElseZero(hn::Lt(r.sign, hn::Zero(f32)), hn::Set(f32, 1.0f));
-      const VF cell = hn::Sub(r.line, far);
-      const VF i = hn::IfThenElse(r.steep, r.other_cell, cell),
-               j = hn::IfThenElse(r.steep, cell, r.other_cell);
-      const MF inside = hn::And(r.alive, within_grid(i, j));
-      const VF nearest = nearest_in_cells(r, i, j, inside);
-      // The step of cast_dda: a tie goes along y first.
-      const VF next = hn::Mul(hn::Sub(hn::Add(r.line, r.sign), r.start), r.inv);
-      const VF other_next =
-          hn::Mul(hn::Sub(hn::Add(r.other_cell, r.other_ahead), r.other_start), r.other_inv);
-      const MF tie = hn::And(r.steep, hn::Eq(next, other_next));
-      const MF sideways = hn::AndNot(hn::Or(hn::Lt(next, other_next), tie), hn::Eq(reach, reach));
-      const VF leaves = hn::IfThenElse(sideways, other_next, next);
-      const MF found = hn::Le(nearest, leaves);
-      const MF on = hn::AndNot(found, hn::And(inside, hn::Lt(leaves, reach)));
-      const VF range = hn::Min(hn::Mul(nearest, hn::Set(f32, a_.map.resolution_m)), none);
-      const VF known = hn::IfThenElse(hn::And(inside, hn::And(found, hn::Lt(nearest, reach))), range, none);
-      hn::ScatterIndex(hn::IfThenElse(on, hn::Set(f32, kUnfinished_m), known), f32, expected_m_, beams);
-      r.other_cell = hn::IfThenElse(sideways, hn::Add(r.other_cell, r.other_sign), r.other_cell);
-      r.line = hn::IfThenElse(sideways, r.line, hn::Add(r.line, r.sign));
-      keep(r, on, beams, on_);
-    }
+    for (std::size_t at = 0; at < count; at += lanes) prepare(at, count);
+    find_nearest(count);
+    for (std::size_t at = 0; at < count; at += lanes) settle(at, count);
     arrived_.count = 0;
   }
 
-  HWY_INLINE MF within_grid(VF i, VF j) const {
-    const VF zero = hn::Zero(f32), w = hn::Set(f32, static_cast<float>(a_.map.width)),
-             h = hn::Set(f32, static_cast<float>(a_.map.height));
-    return hn::And(hn::And(hn::Ge(i, zero), hn::Lt(i, w)), hn::And(hn::Ge(j, zero), hn::Lt(j, h)));
+  /// Where rays are, when they leave their cell, and where they are then.
+  HWY_INLINE void prepare(std::size_t at, std::size_t count) {
+    VI beams;
+    const Rays r = resumed(arrived_, at, count, beams);
+    const VF far = hn::IfThenElseZero(hn::Lt(r.sign, hn::Zero(f32)), hn::Set(f32, 1.0f));
+    const VF cell = hn::Sub(r.line, far);
+    const VF i = hn::IfThenElse(r.steep, r.other_cell, cell), j = hn::IfThenElse(r.steep, cell, r.other_cell);
+    const VF next = hn::Mul(hn::Sub(hn::Add(r.line, r.sign), r.start), r.inv);
+    const VF other_next = hn::Mul(hn::Sub(hn::Add(r.other_cell, r.other_ahead), r.other_start), r.other_inv);
+    // As cast_dda: a tie goes along y first.
+    const MF onward = hn::Or(hn::Lt(next, other_next), hn::And(r.steep, hn::Eq(next, other_next)));
+    const VI index =
+        hn::Add(hn::Mul(hn::ConvertTo(i32, j), hn::Set(i32, a_.map.width)), hn::ConvertTo(i32, i));
+    const auto looks = hn::RebindMask(i32, hn::And(r.alive, within_grid(i, j)));
+    hn::StoreU(hn::IfThenElse(looks, index, hn::Set(i32, -1)), i32, look_.cell + at);
+    hn::StoreU(hn::IfThenElse(onward, next, other_next), f32, look_.leaves + at);
+    hn::StoreU(hn::IfThenElse(onward, hn::Add(r.line, r.sign), r.line), f32, look_.line + at);
+    hn::StoreU(hn::IfThenElse(onward, r.other_cell, hn::Add(r.other_cell, r.other_sign)), f32,
+               look_.other_cell + at);
+    hn::StoreInterleaved4(hn::IfThenElse(r.steep, r.other_start, r.start),
+                          hn::IfThenElse(r.steep, r.start, r.other_start),
+                          hn::IfThenElse(r.steep, r.other_d, r.d), hn::IfThenElse(r.steep, r.d, r.other_d),
+                          f32, look_.ray + 4 * at);
   }
 
-  /// nearest_in_cell in the lanes of `which`.
-  HWY_INLINE VF nearest_in_cells(const Rays& r, VF i, VF j, MF which) const {
+  /// The nearest wall in each ray's cell. Rays and walls are put side by side in pairs, so that no lane waits
+  /// for a fuller cell.
+  void find_nearest(std::size_t count) {
     const Walls& walls = a_.map.walls;
-    const VI one = hn::Set(i32, 1);
-    const auto which_i = hn::RebindMask(i32, which);
-    const VI cell = hn::IfThenElseZero(
-        which_i, hn::Add(hn::Mul(hn::ConvertTo(i32, j), hn::Set(i32, a_.map.width)), hn::ConvertTo(i32, i)));
-    const auto* first = reinterpret_cast<const std::int32_t*>(walls.first);
-    const auto* ids = reinterpret_cast<const std::int32_t*>(walls.id);
-    VI k = hn::GatherIndex(i32, first, cell);
-    const VI end = hn::IfThenElse(which_i, hn::GatherIndex(i32, first, hn::Add(cell, one)), k);
-    VF nearest = hn::Set(f32, kNoWall);
-    for (auto more = hn::Lt(k, end); !hn::AllFalse(i32, more); more = hn::Lt(k, end)) {
-      const VI id = hn::GatherIndex(i32, ids, hn::IfThenElseZero(more, k));
-      const VF t = hit_walls(r, id);
-      nearest = hn::IfThenElse(hn::And(hn::RebindMask(f32, more), hn::Lt(t, nearest)), t, nearest);
-      k = hn::Add(k, one);
+    std::size_t pairs = 0;
+    for (std::size_t k = 0; k < count; ++k) {
+      look_.nearest[k] = kNoWall;
+      const std::int32_t cell = look_.cell[k];
+      if (cell < 0) continue;
+      for (std::uint32_t w = walls.first[cell]; w < walls.first[cell + 1]; ++w) {
+        std::memcpy(look_.pair_ray + 4 * pairs, look_.ray + 4 * k, 4 * sizeof(float));
+        std::memcpy(look_.pair_wall + 4 * pairs, walls.wall + walls.id[w], sizeof(Wall));
+        look_.pair_owner[pairs] = static_cast<std::uint32_t>(k);
+        if (++pairs == kPairs) hit_pairs(pairs), pairs = 0;
+      }
     }
-    return nearest;
+    hit_pairs(pairs);
   }
 
-  /// wall_hit of a wall for each lane.
-  HWY_INLINE VF hit_walls(const Rays& r, VI id) const {
-    const auto* wall = reinterpret_cast<const float*>(a_.map.walls.wall);
-    const VI at = hn::Mul(id, hn::Set(i32, sizeof(Wall) / sizeof(float)));
-    const auto member = [&](int k) { return hn::GatherIndex(f32, wall, hn::Add(at, hn::Set(i32, k))); };
-    const VF ex = member(2), ey = member(3), parallel = member(4);
-    const VF u = hn::IfThenElse(r.steep, r.other_start, r.start),
-             v = hn::IfThenElse(r.steep, r.start, r.other_start);
-    const VF dx = hn::IfThenElse(r.steep, r.other_d, r.d), dy = hn::IfThenElse(r.steep, r.d, r.other_d);
-    const VF zero = hn::Zero(f32), one = hn::Set(f32, 1.0f);
-    const auto cross = [](VF ax, VF ay, VF bx, VF by) {
-      return hn::MulAdd(ax, by, hn::Neg(hn::Mul(ay, bx)));
-    };
-    const auto dot = [](VF ax, VF ay, VF bx, VF by) { return hn::MulAdd(ax, bx, hn::Mul(ay, by)); };
+  HWY_INLINE void hit_pairs(std::size_t pairs) {
+    for (std::size_t p = 0; p < pairs; p += hn::Lanes(f32))
+      hn::StoreU(hit_walls(look_.pair_ray + 4 * p, look_.pair_wall + 4 * p), f32, look_.pair_t + p);
+    for (std::size_t p = 0; p < pairs; ++p) {
+      float& nearest = look_.nearest[look_.pair_owner[p]];
+      nearest = look_.pair_t[p] < nearest ? look_.pair_t[p] : nearest;
+    }
+  }
 
-    const VF x = hn::Sub(member(0), u), y = hn::Sub(member(1), v);
-    const VF slack = hn::Mul(hn::Set(f32, kWallSlack), hn::Max(hn::Max(hn::Abs(x), hn::Abs(y)), one));
+  /// wall_hit in every lane.
+  HWY_INLINE VF hit_walls(const float* rays, const float* walls) const {
+    VF u, v, dx, dy, ax, ay, ex, ey;
+    hn::LoadInterleaved4(f32, rays, u, v, dx, dy);
+    hn::LoadInterleaved4(f32, walls, ax, ay, ex, ey);
+    const VF zero = hn::Zero(f32), one = hn::Set(f32, 1.0f), small = hn::Set(f32, kWallSlack);
+    const auto cross = [](VF px, VF py, VF qx, VF qy) {
+      return hn::MulAdd(px, qy, hn::Neg(hn::Mul(py, qx)));
+    };
+    const auto dot = [](VF px, VF py, VF qx, VF qy) { return hn::MulAdd(px, qx, hn::Mul(py, qy)); };
+    const VF x = hn::Sub(ax, u), y = hn::Sub(ay, v);
+    const VF slack = hn::Mul(small, hn::Max(hn::Max(hn::Abs(x), hn::Abs(y)), one));
     const VF det = cross(dx, dy, ex, ey), off = cross(x, y, dx, dy);
     const VF start = dot(x, y, dx, dy), extent = dot(ex, ey, dx, dy);
     const VF size = hn::Abs(det);
@@ -392,14 +392,41 @@ class Tracer {
     const VF end = hn::Add(start, extent), low = hn::Min(start, end);
     const MF within = hn::And(hn::Le(low, zero), hn::Ge(hn::Max(start, end), zero));
     const VF along = hn::IfThenElse(within, zero, low);
-    const VF t = hn::IfThenElse(hn::Le(size, parallel), along, crossing);
+    const MF parallel = hn::Le(size, hn::Mul(small, hn::Add(hn::Abs(ex), hn::Abs(ey))));
+    const VF t = hn::IfThenElse(parallel, along, crossing);
     return hn::IfThenElse(hn::And(passes, hn::Ge(t, zero)), t, hn::Set(f32, kNoWall));
+  }
+
+  HWY_INLINE void settle(std::size_t at, std::size_t count) {
+    const MF used = hn::FirstN(f32, count - at);
+    const auto used_i = hn::RebindMask(i32, used);
+    const VI beams = hn::IfThenElse(used_i, hn::Load(i32, arrived_.beam + at),
+                                    hn::Set(i32, static_cast<std::int32_t>(a_.beams.count)));
+    const VF nearest = hn::LoadU(f32, look_.nearest + at), leaves = hn::LoadU(f32, look_.leaves + at);
+    const VF reach = hn::Set(f32, reach_cells_), none = hn::Set(f32, a_.beams.range_max_m);
+    const MF looked = hn::RebindMask(f32, hn::Gt(hn::LoadU(i32, look_.cell + at), hn::Set(i32, -1)));
+    const MF found = hn::And(looked, hn::Le(nearest, leaves));
+    const MF on = hn::And(hn::AndNot(found, looked), hn::And(used, hn::Lt(leaves, reach)));
+    const VF range = hn::Min(hn::Mul(nearest, hn::Set(f32, a_.map.resolution_m)), none);
+    const VF known = hn::IfThenElse(hn::And(found, hn::Lt(nearest, reach)), range, none);
+    hn::ScatterIndex(hn::IfThenElse(on, hn::Set(f32, kUnfinished_m), known), f32, expected_m_, beams);
+    Rays next;
+    next.line = hn::LoadU(f32, look_.line + at);
+    next.other_cell = hn::LoadU(f32, look_.other_cell + at);
+    keep(next, on, beams, on_);
+  }
+
+  HWY_INLINE MF within_grid(VF i, VF j) const {
+    const VF zero = hn::Zero(f32), w = hn::Set(f32, static_cast<float>(a_.map.width)),
+             h = hn::Set(f32, static_cast<float>(a_.map.height));
+    return hn::And(hn::And(hn::Ge(i, zero), hn::Lt(i, w)), hn::And(hn::Ge(j, zero), hn::Lt(j, h)));
   }
 
   const RayTraceArgs& a_;
   const RayOrigin& o_;
   float* expected_m_;
   Queue &on_, &arrived_;
+  WallLook& look_;
   float reach_cells_;
 };
 

@@ -15,10 +15,9 @@
 
 namespace parloc {
 
-/// From a along e, in cells. Rays that the wall crosses by no more than `parallel` run along it.
+/// From a along e, in cells.
 struct Wall {
   float ax, ay, ex, ey;
-  float parallel;
 };
 
 /// Walls that are segments, and which of them pass a cell (common/map/wall_index.h). count 0: walls are

@@ -39,7 +39,8 @@ PARLOC_HD float wall_hit(const Ray& r, const Wall& w) {
   const float end = start + extent;
   const bool within = min_of(start, end) <= 0.0f && max_of(start, end) >= 0.0f;
   const float along = within ? 0.0f : min_of(start, end);
-  const float t = size <= w.parallel ? along : crossing;
+  const bool parallel = size <= kWallSlack * (__builtin_fabsf(w.ex) + __builtin_fabsf(w.ey));
+  const float t = parallel ? along : crossing;
   return passes && t >= 0.0f ? t : kNoWall;
 }
 
@@ -58,6 +59,22 @@ PARLOC_HD float nearest_in_cell(const RayMap& m, const Ray& r, std::int32_t i, s
   return nearest;
 }
 
+/// Looks for the nearest wall in a cell that the ray passes. True if that settles the ray: `t` is the
+/// distance, or kNoWall if there is none within reach. False if the ray goes on: `at` is then the next cell.
+PARLOC_HD bool look_in_cell(const RayMap& m, const Ray& r, float reach_cells, RayStart& at, float& t) {
+  const float nearest = nearest_in_cell(m, r, at.i, at.j);
+  const float tx = (static_cast<float>(at.i + (r.dx < 0.0f ? 0 : 1)) - r.u) * r.inv_dx;
+  const float ty = (static_cast<float>(at.j + (r.dy < 0.0f ? 0 : 1)) - r.v) * r.inv_dy;
+  const bool step_x = tx < ty;  // as cast_dda
+  const float leaves = step_x ? tx : ty;
+  t = nearest <= leaves && nearest < reach_cells ? nearest : kNoWall;
+  if (nearest <= leaves || !(leaves < reach_cells)) return true;
+  at.i += step_x ? (r.dx < 0.0f ? -1 : 1) : 0;
+  at.j += step_x ? 0 : (r.dy < 0.0f ? -1 : 1);
+  at.inside = m.contains(at.i, at.j);
+  return !at.inside;
+}
+
 /// Only the walls of cells that the ray passes, up to the first cell that it does not leave before the hit. A
 /// hit is on its wall and, but for rounding, on the ray, so its cell or one next to it within rounding is
 /// passed; walls are listed with more margin than that (wall_index.h).
@@ -66,16 +83,9 @@ PARLOC_HD float cast_walls(const RayMap& m, const Ray& r, float reach_cells) {
   while (at.inside) {
     const RayHit cell = skip_from(m, r, at, reach_cells);
     if (!cell.hit) return kNoWall;
-    const float nearest = nearest_in_cell(m, r, cell.i, cell.j);
-    const float tx = (static_cast<float>(cell.i + (r.dx < 0.0f ? 0 : 1)) - r.u) * r.inv_dx;
-    const float ty = (static_cast<float>(cell.j + (r.dy < 0.0f ? 0 : 1)) - r.v) * r.inv_dy;
-    const bool step_x = tx < ty;
-    const float leaves = step_x ? tx : ty;
-    if (nearest <= leaves) return nearest < reach_cells ? nearest : kNoWall;
-    if (!(leaves < reach_cells)) return kNoWall;
-    at.i = cell.i + (step_x ? (r.dx < 0.0f ? -1 : 1) : 0);
-    at.j = cell.j + (step_x ? 0 : (r.dy < 0.0f ? -1 : 1));
-    at.inside = m.contains(at.i, at.j);
+    at.i = cell.i, at.j = cell.j;
+    float t = kNoWall;
+    if (look_in_cell(m, r, reach_cells, at, t)) return t;
   }
   return kNoWall;
 }

@@ -19,9 +19,7 @@ Wall wall_in_cells(const Segment& s, double inv_resolution) {
     return static_cast<float>(static_cast<double>(metres) * inv_resolution);
   };
   const float ax = cells(s.ax), ay = cells(s.ay);
-  const float ex = cells(s.bx) - ax, ey = cells(s.by) - ay;
-  const double length = std::hypot(static_cast<double>(ex), static_cast<double>(ey));
-  return {ax, ay, ex, ey, static_cast<float>(kWallSlack * length)};
+  return {ax, ay, cells(s.bx) - ax, cells(s.by) - ay};
 }
 
 /// visit(main, other) for every cell within `margin` of the wall; main: along x unless the wall is steep.

@@ -24,8 +24,7 @@ Ray ray_at(float u, float v, float angle_rad) {
 }
 
 Wall wall(float ax, float ay, float bx, float by) {
-  const float length = std::hypot(bx - ax, by - ay);
-  return {ax, ay, bx - ax, by - ay, kWallSlack * length};
+  return {ax, ay, bx - ax, by - ay};
 }
 
 constexpr float kDegree = kPi / 180.0f;
