@@ -73,10 +73,10 @@ const Place& hall_of_segments(int pieces) {
     wall(x, y, x + width, y), wall(x + width, y, x + width, y + height);
     wall(x + width, y + height, x, y + height), wall(x, y + height, x, y);
   };
-  box(0.1f, 0.1f, 19.8f, 9.8f);
+  box(0.125f, 0.125f, 19.75f, 9.75f);  // as read_map lays its grid: round coordinates in the middle of cells
   for (int i = 0; i < 5; ++i)
     for (int j = 0; j < 3; ++j)
-      box(1.5f + 4.0f * static_cast<float>(i), 1.0f + 3.4f * static_cast<float>(j), 0.6f, 0.4f);
+      box(1.525f + 4.0f * static_cast<float>(i), 1.025f + 3.4f * static_cast<float>(j), 0.6f, 0.4f);
   for (std::size_t k = 0; k < p.scan.ranges_m.size(); ++k) {
     const double bearing_rad = p.scan.angle_min_rad + static_cast<double>(k) * p.scan.angle_step_rad;
     const Pose ray = compose(compose(p.pose, p.scan.T_base_sensor), {0, 0, bearing_rad});
