@@ -177,15 +177,6 @@ Json document_of(const std::string& text, const std::string& name) {
 
 }  // namespace
 
-bool is_geojson(const std::string& text, const std::string& path) {
-  const auto ends_with = [&](std::string_view end) {
-    return path.size() >= end.size() && path.compare(path.size() - end.size(), end.size(), end) == 0;
-  };
-  if (ends_with(".geojson") || ends_with(".json")) return true;
-  const std::size_t start = text.find_first_not_of(" \t\r\n\xEF\xBB\xBF");
-  return start != std::string::npos && text[start] == '{' && text.find("\"type\"") != std::string::npos;
-}
-
 SegmentMap segment_map_from_geojson(const std::string& text, const std::string& name) {
   if (text.size() > kLongestSegmentFile) {
     throw input_error(

@@ -17,16 +17,12 @@
 #include "common/io/nearest_name.h"
 #include "common/io/text_fields.h"
 #include "common/map/map_limits.h"
+#include "common/map/segment_keys.h"
 #include "common/map/segment_map.h"
 #include "common/map/wall_collector.h"
 
 namespace parloc {
 namespace {
-
-constexpr std::array<std::string_view, 5> kKeys = {"name", "resolution", "segments", "polylines", "polygons"};
-/// The keys of a map_server YAML that a segment map does not have too.
-constexpr std::array<std::string_view, 6> kImageKeys = {"image", "origin",          "negate",
-                                                        "mode",  "occupied_thresh", "free_thresh"};
 
 std::size_t line_of(const YAML::Mark& mark) {
   return mark.line < 0 ? 0 : static_cast<std::size_t>(mark.line) + 1;
@@ -115,9 +111,9 @@ class SegmentEvents : public YAML::EventHandler {
   }
 
   void begin_key(std::size_t line, const std::string& key) {
-    if (std::find(kKeys.begin(), kKeys.end(), key) == kKeys.end()) {
+    if (std::find(kSegmentKeys.begin(), kSegmentKeys.end(), key) == kSegmentKeys.end()) {
       fail(line, fmt::format("unknown key '{}'; the nearest valid key is '{}'", printable(key),
-                             nearest_name(key, kKeys)));
+                             nearest_name(key, kSegmentKeys)));
     }
     for (const auto& [earlier, earlier_line] : seen_) {
       if (earlier == key) fail(line, fmt::format("duplicate key '{}', first on line {}", key, earlier_line));
@@ -189,65 +185,7 @@ class SegmentEvents : public YAML::EventHandler {
   int documents_ = 0;
 };
 
-/// Stops at the first key that only one kind of map has, or that is nearest to one such.
-class KindOfMap : public YAML::EventHandler {
- public:
-  struct Found {
-    bool segments;
-  };
-
-  void OnDocumentStart(const YAML::Mark&) override {}
-  void OnDocumentEnd() override { throw Found{false}; }
-  void OnNull(const YAML::Mark&, YAML::anchor_t) override { add(""); }
-  void OnAlias(const YAML::Mark&, YAML::anchor_t) override { throw Found{false}; }
-  void OnScalar(const YAML::Mark&, const std::string&, YAML::anchor_t, const std::string& value) override {
-    add(value);
-  }
-  void OnSequenceStart(const YAML::Mark&, const std::string&, YAML::anchor_t,
-                       YAML::EmitterStyle::value) override {
-    ++depth_;
-  }
-  void OnSequenceEnd() override { end(); }
-  void OnMapStart(const YAML::Mark&, const std::string&, YAML::anchor_t, YAML::EmitterStyle::value) override {
-    ++depth_;
-  }
-  void OnMapEnd() override { end(); }
-
- private:
-  void end() {
-    if (--depth_ == 1) at_key_ = true;
-  }
-  void add(const std::string& text) {
-    if (depth_ != 1) return;
-    if (at_key_ && text != "name" && text != "resolution") judge(text);
-    at_key_ = !at_key_;
-  }
-  static void judge(const std::string& key) {
-    const auto distance_to = [&](const auto& names) {
-      const std::string_view nearest = nearest_name(key, names);
-      return edit_distance(key.substr(0, 100), nearest);
-    };
-    throw Found{distance_to(kKeys) < distance_to(kImageKeys)};
-  }
-
-  int depth_ = 0;
-  bool at_key_ = true;
-};
-
 }  // namespace
-
-bool is_segment_yaml(const std::string& text) {
-  try {
-    KindOfMap kind;
-    std::istringstream stream(text);
-    YAML::Parser parser(stream);
-    parser.HandleNextDocument(kind);
-  } catch (const KindOfMap::Found& found) {
-    return found.segments;
-  } catch (const YAML::Exception&) {
-  }
-  return false;
-}
 
 SegmentMap segment_map_from_yaml(const std::string& text, const std::string& name) {
   if (text.size() > kLongestSegmentFile) {
