@@ -1,6 +1,7 @@
 #include "common/map/rasterise.h"
 
 #include <cstddef>
+#include <limits>
 #include <utility>
 #include <vector>
 
@@ -75,6 +76,25 @@ bool rasterise_walls(GridMap& map) {
   const bool enclosed = fills(box_of(map, Cell::free), box_of(map, Cell::occupied));
   if (!enclosed) std::replace(map.cells.begin(), map.cells.end(), Cell::unknown, Cell::free);
   return enclosed;
+}
+
+double raster_error_m(const GridMap& map) {
+  std::vector<float> nearest(map.size(), std::numeric_limits<float>::infinity());
+  for (const Segment& wall : map.walls) {
+    const double dx = double{wall.bx} - wall.ax, dy = double{wall.by} - wall.ay, square = dx * dx + dy * dy;
+    for_each_touched_cell(map, wall, [&](std::int32_t i, std::int32_t j) {
+      const double x = (i + 0.5) * map.resolution_m - wall.ax, y = (j + 0.5) * map.resolution_m - wall.ay;
+      const double along = square > 0.0 ? std::clamp((x * dx + y * dy) / square, 0.0, 1.0) : 0.0;
+      float& best = nearest[static_cast<std::size_t>(j) * static_cast<std::size_t>(map.width) +
+                            static_cast<std::size_t>(i)];
+      best = std::min(best, static_cast<float>(std::hypot(x - along * dx, y - along * dy)));
+    });
+  }
+  float worst = 0.0f;
+  for (std::size_t c = 0; c < nearest.size(); ++c) {
+    if (map.cells[c] == Cell::occupied) worst = std::max(worst, nearest[c]);
+  }
+  return worst;
 }
 
 }  // namespace parloc

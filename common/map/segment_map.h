@@ -67,9 +67,10 @@ PlacedSegments place_segments(const SegmentMap& segments, const std::string& nam
 
 /// Writes the walls of `map` in the map frame: GeoJSON if `path` ends in .geojson or .json, else YAML.
 /// Walls that follow each other become one polyline or polygon. Every coordinate has as few digits as give
-/// the same float again in the map's grid frame. Throws Error{output}; also if the map has no walls.
-void write_segment_map(const std::string& path, const GridMap& map);
-std::string segment_yaml_of(const GridMap& map);
-std::string geojson_of(const GridMap& map);
+/// the same float again in the map's grid frame. `name` is what the file is to call itself; may be empty.
+/// Throws Error{output}; also if the map has no walls.
+void write_segment_map(const std::string& path, const GridMap& map, const std::string& name = {});
+std::string segment_yaml_of(const GridMap& map, const std::string& name = {});
+std::string geojson_of(const GridMap& map, const std::string& name = {});
 
 }  // namespace parloc

@@ -5,6 +5,7 @@
 #include <charconv>
 #include <cmath>
 #include <limits>
+#include <nlohmann/json.hpp>
 #include <utility>
 
 #include "common/error.h"
@@ -83,6 +84,11 @@ std::string list_of(const Chain& chain, bool repeat_first) {
   return list + "]";
 }
 
+/// A text in double quotes as JSON has it, which YAML reads too; bytes that are no UTF-8 are replaced.
+std::string quoted(const std::string& text) {
+  return nlohmann::json(text).dump(-1, ' ', true, nlohmann::json::error_handler_t::replace);
+}
+
 void refuse_no_walls(const GridMap& map) {
   if (map.walls.empty())
     throw Error(ErrorKind::output, map.name + ": has no walls to write: expected a segment map");
@@ -90,7 +96,7 @@ void refuse_no_walls(const GridMap& map) {
 
 }  // namespace
 
-std::string segment_yaml_of(const GridMap& map) {
+std::string segment_yaml_of(const GridMap& map, const std::string& name) {
   refuse_no_walls(map);
   std::string segments, polylines, polygons;
   for_each_chain(map, [&](const Chain& chain) {
@@ -103,17 +109,18 @@ std::string segment_yaml_of(const GridMap& map) {
       segments += "  - " + a.substr(0, a.size() - 1) + ", " + b.substr(1) + "\n";
     }
   });
-  std::string text = fmt::format("# Walls in metres, map frame.\nresolution: {}\n", map.resolution_m);
+  std::string text = fmt::format("# Walls in metres, map frame.\n{}resolution: {}\n",
+                                 name.empty() ? "" : "name: " + quoted(name) + "\n", map.resolution_m);
   if (!segments.empty()) text += "segments:\n" + segments;
   if (!polylines.empty()) text += "polylines:\n" + polylines;
   if (!polygons.empty()) text += "polygons:\n" + polygons;
   return text;
 }
 
-std::string geojson_of(const GridMap& map) {
+std::string geojson_of(const GridMap& map, const std::string& name) {
   refuse_no_walls(map);
-  std::string text =
-      fmt::format("{{\"type\": \"FeatureCollection\", \"resolution\": {}, \"features\": [", map.resolution_m);
+  std::string text = fmt::format("{{\"type\": \"FeatureCollection\", {}\"resolution\": {}, \"features\": [",
+                                 name.empty() ? "" : "\"name\": " + quoted(name) + ", ", map.resolution_m);
   bool first = true;
   for_each_chain(map, [&](const Chain& chain) {
     text += first ? "\n" : ",\n";
@@ -125,8 +132,8 @@ std::string geojson_of(const GridMap& map) {
   return text + "\n]}\n";
 }
 
-void write_segment_map(const std::string& path, const GridMap& map) {
-  replace_file(path, is_geojson("", path) ? geojson_of(map) : segment_yaml_of(map));
+void write_segment_map(const std::string& path, const GridMap& map, const std::string& name) {
+  replace_file(path, is_geojson("", path) ? geojson_of(map, name) : segment_yaml_of(map, name));
 }
 
 }  // namespace parloc

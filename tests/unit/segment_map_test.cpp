@@ -383,6 +383,33 @@ TEST(Rasterise, EqualsBruteForceThroughCornersAndAlongEdges) {
   expect_supercover({9, 3, 3, 9});
 }
 
+TEST(Rasterise, ErrorIsThatOfTheFarthestCell) {
+  std::mt19937 random(13);
+  std::uniform_real_distribution<float> x(2.0f, 22.0f), y(2.0f, 18.0f);
+  for (int k = 0; k < 50; ++k) {
+    GridMap map = grid_of(
+        24, 20, {{x(random), y(random), x(random), y(random)}, {x(random), y(random), x(random), y(random)}});
+    rasterise_walls(map);
+    double worst = 0.0;
+    for (int j = 0; j < map.height; ++j) {
+      for (int i = 0; i < map.width; ++i) {
+        if (map.at(i, j) != Cell::occupied) continue;
+        double nearest = 1e9;
+        for (const Segment& s : map.walls) {
+          for (int step = 0; step <= 2000; ++step) {
+            const double t = step / 2000.0;
+            nearest = std::min(
+                nearest, std::hypot(s.ax + t * (s.bx - s.ax) - i - 0.5, s.ay + t * (s.by - s.ay) - j - 0.5));
+          }
+        }
+        worst = std::max(worst, nearest);
+      }
+    }
+    EXPECT_NEAR(raster_error_m(map), worst, 1e-3);  // steps of 1 cm on walls of 20 m: h^2 / 8 / 0.02 at most
+    EXPECT_LE(raster_error_m(map), std::sqrt(0.5) + 1e-5);
+  }
+}
+
 std::vector<Segment> ring(float x, float y, float width, float height) {
   return {{x, y, x + width, y},
           {x + width, y, x + width, y + height},

@@ -307,6 +307,14 @@ TEST(SegmentFiles, TracedWallsOfATurnedGridLandWhereTheyWere) {
   EXPECT_EQ(rounded(turned.walls), rounded(map.walls));  // to a millimetre
 }
 
+TEST(SegmentFiles, NamesSurviveWhateverTheyAre) {
+  const GridMap map = place_segments({"", 0.05, {{{0, 0}, {1, 0}}}}, "walls").map;
+  for (const std::string name : {"room 7", "a: \"b\" # \\ {c}\n\x01", "caf\xC3\xA9", "{"}) {
+    EXPECT_EQ(segment_map_from_yaml(segment_yaml_of(map, name), "walls").name, name);
+    EXPECT_EQ(segment_map_from_geojson(geojson_of(map, name), "walls").name, name);
+  }
+}
+
 TEST(SegmentFiles, AMapWithoutWallsIsNotWritten) {
   try {
     segment_yaml_of(map_t1());
