@@ -11,7 +11,7 @@ namespace parloc {
 
 /// More than a building has, and few enough to be held in memory several times over.
 inline constexpr std::size_t kMostSegments = 1'000'000;
-/// A million segments take a third of this, however they are written.
+/// Several times what a million segments take.
 inline constexpr std::size_t kLongestSegmentFile = std::size_t{256} * 1024 * 1024;
 /// Farther from the origin than any map projection reaches [m].
 inline constexpr double kFarthestWall_m = 1e8;
