@@ -241,7 +241,7 @@ SimulatedLog simulate(const Scenario& scenario, const GridMap& map,
     record.odometry = wheels.pose();
     if (tick % schedule.scan_ticks == 0) {
       record.kind = RecordKind::scan;
-      record.sensor = "robotlaser1";
+      record.scan.sensor = "robotlaser1";
       record.scan = take_scan(scenario, map, truth, static_cast<std::uint32_t>(log.truth.size()), log);
       record.scan.stamp_s = stamp_s;
       log.truth.push_back({stamp_s, truth});
