@@ -566,7 +566,8 @@ TEST(ScenarioReader, checks_the_points_of_a_path) {
   const Case cases[] = {
       {"points: [[0, 0]]\n", "p.yaml:1: points must be a list of at least two points"},
       {"points:\n  - [0, 0]\n  - [0, x]\n", "p.yaml:3: points: point 2: expected a number, got 'x'"},
-      {"points:\n  - [0, 0]\n  - [1]\n", "p.yaml:3: points: point 2 must be [x, y] or [x, y, pause_s]"},
+      {"points:\n  - [0, 0]\n  - [1]\n",
+       "p.yaml:3: points: point 2 must be [x, y], [x, y, pause_s] or [x, y, pause_s, spin_deg]"},
       {"points:\n  - [0, 0]\n  - [0, 0]\n", "p.yaml:3: points: point 2 is the same as the one before"},
       {"points:\n  - [0, 0]\n  - [1, 0, -1]\n", "p.yaml:3: points: point 2 must pause for 0 to 3600 s"},
       {"points:\n  - [0, 0]\n  - [1e9, 0]\n", "p.yaml:3: points: point 2 is beyond 100000 m"},
