@@ -93,7 +93,7 @@ bool trace_while_open(const WeightArgs& a, const Model& model, std::size_t i, co
   const Beams& beams = a.rays.beams;
   const float before = a.rays.particles.log_weight[i];
   const RayOrigin origin = ray_origin(a.rays, i);
-  on.count = 0;
+  on.on.count = 0;
   if (a.rays.caster != RayCaster::skip) {  // references, there to be compared with: they trace every beam
     trace_first(a.rays, origin, 0, beams.count, row, on);
     return true;

@@ -7,10 +7,12 @@
 #include <cstdint>
 #include <iterator>
 #include <limits>
+#include <optional>
 #include <utility>
 
 #include "common/error.h"
 #include "common/eval/drive.h"
+#include "common/eval/simulated_walls.h"
 #include "common/math/philox.h"
 #include "common/math/portable64.h"
 #include "common/model/motion.h"
@@ -246,6 +248,10 @@ SimulatedHit cast_simulated_ray(const GridMap& map, double x_m, double y_m, doub
   const double u = std::floor(start.x_m / cell_m);
   const double v = std::floor(start.y_m / cell_m);
   if (!(u >= 0.0 && v >= 0.0 && u < map.width && v < map.height)) return miss;
+  if (!map.walls.empty()) {
+    const std::optional<double> range_m = cast_at_walls(map.walls, start, range_max_m);
+    return range_m ? SimulatedHit{*range_m, 0, 0, true} : miss;
+  }
   int i = static_cast<int>(u);
   int j = static_cast<int>(v);
   // Distance to the next grid line of each axis, from its integer index: no error accumulates.

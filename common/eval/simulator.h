@@ -15,15 +15,17 @@ namespace parloc {
 
 /// Where a simulated ray ends.
 struct SimulatedHit {
-  double range_m = 0.0;  ///< Distance to the near face of the cell; the maximum if nothing was hit.
-  int i = 0, j = 0;      ///< The cell, if hit.
+  double range_m =
+      0.0;  ///< Distance to the near face of the cell, or to the wall; the maximum if nothing was hit.
+  int i = 0, j = 0;  ///< The cell, if a cell was hit.
   bool hit = false;
 };
 
 /// Exact traversal in float64 (Amanatides & Woo 1987, crossings recomputed from the integer index, ties step
 /// y; SPEC 2.2), written apart from the filter's casters on purpose: a simulation must not share their
 /// mistakes. Only occupied cells stop a ray. From inside one: (0, hit). From outside the grid, or leaving it:
-/// no hit. (x, y) and the angle are in the map frame.
+/// no hit. Where the map's walls are segments, those stop it instead. (x, y) and the angle are in the map
+/// frame.
 SimulatedHit cast_simulated_ray(const GridMap& map, double x_m, double y_m, double angle_rad,
                                 double range_max_m);
 
