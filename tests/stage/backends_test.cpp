@@ -76,7 +76,7 @@ Trace run(Backend& backend, const BackendConfig& config, std::int64_t particles,
     const float turn_rad = 0.05f - 0.01f * static_cast<float>(step);
     backend.predict({turn_rad, 0.1f, -0.02f, 0.02f, 0.05f, 0.02f}, key);
     backend.set_scan(beams);
-    if (step == 0 && config.sensor.model != SensorModel::likelihood_field) t.expected_m = backend.ray_trace();
+    if (step == 0 && casts_rays(config.sensor.model)) t.expected_m = backend.ray_trace();
     backend.weight(fused);
     backend.normalise_scan();
     backend.estimate();
@@ -134,6 +134,9 @@ class Backends : public testing::TestWithParam<Case> {
     c.sensor.model = GetParam().model;
     c.sensor.caster = GetParam().caster;
     c.sensor.lookup = GetParam().lookup;
+    c.sensor.do_beamskip = GetParam().model == SensorModel::likelihood_field_prob;
+    // The particles of this room are never together; so many agree that a part of the beams is skipped.
+    c.sensor.beam_skip_spread = 1000.0, c.sensor.beam_skip_distance = 0.3;
     c.sensor.z_hit = 0.75, c.sensor.z_short = 0.1, c.sensor.z_max = 0.05, c.sensor.z_rand = 0.1;
     c.resample.scheme = GetParam().scheme;
     return c;
@@ -202,7 +205,14 @@ INSTANTIATE_TEST_SUITE_P(
         Case{SensorModel::likelihood_field, RayCaster::skip, FieldLookup::bilinear,
              ResampleScheme::systematic, "field"},
         Case{SensorModel::likelihood_field, RayCaster::skip, FieldLookup::nearest, ResampleScheme::stratified,
-             "field_nearest"}),
+             "field_nearest"},
+        Case{SensorModel::s5, RayCaster::skip, FieldLookup::nearest, ResampleScheme::systematic, "s5"},
+        Case{SensorModel::class_conditional, RayCaster::skip, FieldLookup::nearest,
+             ResampleScheme::systematic, "class_conditional"},
+        Case{SensorModel::likelihood_field_prob, RayCaster::skip, FieldLookup::bilinear,
+             ResampleScheme::systematic, "field_prob"},
+        Case{SensorModel::likelihood_field_prob, RayCaster::skip, FieldLookup::nearest,
+             ResampleScheme::stratified, "field_prob_nearest"}),
     [](const auto& one) { return std::string(one.param.name); });
 
 Trace cpu_run(SensorModel model, RayCaster caster, ResampleScheme scheme, std::int64_t particles) {
@@ -245,7 +255,8 @@ TEST(References, AnEmptyPlaceIsWeighedAsByDda) {
     backend->normalise_scan();
     return backend->weights();
   };
-  for (const SensorModel model : {SensorModel::gaussian, SensorModel::beam})
+  for (const SensorModel model :
+       {SensorModel::gaussian, SensorModel::s5, SensorModel::beam, SensorModel::class_conditional})
     for (const bool spread : {false, true})
       EXPECT_EQ(weights(RayCaster::skip, model, spread), weights(RayCaster::dda, model, spread));
 }
