@@ -138,6 +138,7 @@ class CudaBackend final : public Backend {
     use_device();
     if (planned_ >= kWeight) run_planned();
     input_.host().models = bind_ray_models(config_.sensor, t.range_max_m);
+    input_.host().tempering = bind_tempering(config_.sensor, t);
     if (input_.set_scan(t)) steps_.clear();  // they know the arrays' old place
   }
 

@@ -17,6 +17,7 @@ struct alignas(16) StepInput {
   RandomKey key;
   ScanShape scan;
   RayModels models;  ///< They depend on the maximum range.
+  float tempering = 1.0f;
 };
 
 /// `args` with the scan of this step; the arrays stay where they are.
@@ -28,6 +29,7 @@ PARLOC_HD RayTraceArgs with_scan(RayTraceArgs args, const StepInput& input) {
 PARLOC_HD WeightArgs with_scan(WeightArgs args, const StepInput& input) {
   args.rays = with_scan(args.rays, input);
   args.models = input.models;
+  args.tempering = input.tempering;
   return args;
 }
 

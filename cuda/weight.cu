@@ -65,7 +65,7 @@ struct WeightGroup {  // a block weighs kParticlesPerBlock particles
     float& log_weight = args.rays.particles.log_weight[i];
     if (phase == 2 && lane == 0)
       log_weight =
-          tempered_log_weight(log_weight, static_cast<std::int64_t>(shared.sum[slot]), args.tempering);
+          tempered_log_weight(log_weight, static_cast<std::int64_t>(shared.sum[slot]), input->tempering);
   }
 };
 

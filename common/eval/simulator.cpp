@@ -10,6 +10,7 @@
 #include <utility>
 
 #include "common/error.h"
+#include "common/eval/clutter.h"
 #include "common/eval/drive.h"
 #include "common/math/philox.h"
 #include "common/math/portable64.h"
@@ -145,8 +146,8 @@ float over_range_reading(const SimulatedLidar& lidar) {
 }
 
 /// One scan from the true pose of the base; counts its beams in `log`.
-Scan take_scan(const Scenario& scenario, const GridMap& map, const Pose& truth, std::uint32_t index,
-               SimulatedLog& log) {
+Scan take_scan(const Scenario& scenario, const GridMap& map, const ClutterField& clutter, const Pose& truth,
+               double stamp_s, std::uint32_t index, SimulatedLog& log) {
   const SimulatedLidar& lidar = scenario.lidar;
   const Pose sensor = compose(truth, lidar.T_base_sensor);
   Scan scan;
@@ -158,7 +159,10 @@ Scan take_scan(const Scenario& scenario, const GridMap& map, const Pose& truth, 
   scan.ranges_m.resize(static_cast<std::size_t>(lidar.beams));
   for (int beam = 0; beam < lidar.beams; ++beam) {
     const double angle = sensor.theta_rad + lidar.angle_min_rad + beam * lidar.angle_step_rad;
-    const SimulatedHit wall = cast_simulated_ray(map, sensor.x_m, sensor.y_m, angle, lidar.range_max_m);
+    SimulatedHit wall = cast_simulated_ray(map, sensor.x_m, sensor.y_m, angle, lidar.range_max_m);
+    const double free_m = clutter.range(truth, stamp_s, sensor.x_m, sensor.y_m, angle, wall.range_m);
+    const bool unmapped = free_m < wall.range_m;
+    if (unmapped) wall.range_m = free_m, wall.hit = true;
     const Philox4x32 r =
         philox(static_cast<std::uint32_t>(beam), index, Stream::simulated_beams, 0, scenario.seed);
     const double sigma_m = lidar.sigma_range_m + lidar.sigma_range_relative * wall.range_m;
@@ -175,6 +179,7 @@ Scan take_scan(const Scenario& scenario, const GridMap& map, const Pose& truth, 
     } else {
       reading = static_cast<float>(range_m);
       ++log.hits;
+      log.unmapped += unmapped ? 1 : 0;
     }
   }
   log.beams += static_cast<std::size_t>(lidar.beams);
@@ -228,6 +233,7 @@ SimulatedLog simulate(const Scenario& scenario, const GridMap& map,
   const Drive drive = plan_drive(scenario.path);
   const Schedule schedule = make_schedule(scenario, drive.duration_s());
   check_path(scenario.path, map);
+  const ClutterField clutter(scenario, map);
   SimulatedLog log;
   log.path_length_m = path_length_m(scenario.path);
   log.duration_s = drive.duration_s();
@@ -242,7 +248,8 @@ SimulatedLog simulate(const Scenario& scenario, const GridMap& map,
     if (tick % schedule.scan_ticks == 0) {
       record.kind = RecordKind::scan;
       record.sensor = "robotlaser1";
-      record.scan = take_scan(scenario, map, truth, static_cast<std::uint32_t>(log.truth.size()), log);
+      record.scan = take_scan(scenario, map, clutter, truth, stamp_s,
+                              static_cast<std::uint32_t>(log.truth.size()), log);
       record.scan.stamp_s = stamp_s;
       log.truth.push_back({stamp_s, truth});
     }

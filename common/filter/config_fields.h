@@ -142,8 +142,10 @@ void visit_fields(Config& c, Visitor&& visit) {
         z.lambda_short, Real{0, 100, true});
   visit(Field{"sensor", "laser_likelihood_max_dist", "Cap of the distance to a wall (field) [m]"},
         z.laser_likelihood_max_dist, Real{0.01, 100});
-  visit(Field{"sensor", "tempering", "Exponent of a scan's likelihood: beams are not independent"},
-        z.tempering, Real{0, 1, true});
+  visit(Field{"sensor", "effective_beams", "Independent beams that a scan is worth, however many it has"},
+        z.effective_beams, Real{0, 4096, true});
+  visit(Field{"sensor", "tempering", "Exponent of a scan's likelihood; 0: effective_beams / beams"},
+        z.tempering, Real{0, 1});
   visit(Field{"sensor", "s5_epsilon", "Weight of a beam beyond the maximum, measured and expected (s5)"},
         z.s5_epsilon, Real{1e-30, 1});
   visit(Field{"sensor", "do_beamskip", "Skip beams that few particles agree with (likelihood_field_prob)"},

@@ -93,8 +93,8 @@ struct ClassConditionalBeam {
   /// Density of a measured range if the beam saw the map.
   PARLOC_HD float map_density(float measured_m, float expected_m) const {
     const float g = (measured_m - expected_m) * mixture.inv_sigma;
-    const float peak = expected_m < mixture.range_max_m ? mixture.hit_peak : 0.0f;
-    return fused(peak, portable_exp(-0.5f * (g * g)), mixture.rand_density);
+    const float seen_wall = fused(mixture.hit_peak, portable_exp(-0.5f * (g * g)), mixture.rand_density);
+    return expected_m < mixture.range_max_m ? seen_wall : mixture.rand_density;
   }
   /// And if something in front of the map stopped it.
   PARLOC_HD float unmapped_density(float measured_m, float short_density, float expected_m) const {

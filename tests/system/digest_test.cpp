@@ -77,6 +77,7 @@ FilterConfig fixed_config(SensorModel model) {
               .z_rand = 0.1,
               .lambda_short = 0.5,
               .laser_likelihood_max_dist = 2.0,
+              .effective_beams = 9.0,
               .tempering = model == SensorModel::class_conditional ? 0.02 : 0.05,
               .s5_epsilon = 1e-3,
               .do_beamskip = model == SensorModel::likelihood_field_prob,
