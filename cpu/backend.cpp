@@ -7,6 +7,7 @@
 
 #include "common/filter/bind.h"
 #include "common/filter/bins.h"
+#include "common/filter/judge.h"
 #include "common/map/blocking_cells.h"
 #include "common/map/skip_field.h"
 #include "common/map/wall_index.h"
@@ -57,7 +58,7 @@ class CpuBackend final : public Backend {
 
   void set_map(const GridMap& map) override {
     map_ = map;
-    if (config_.sensor.model == SensorModel::likelihood_field) {
+    if (!casts_rays(config_.sensor.model)) {
       const std::vector<std::uint8_t> occupied = blocking_cells(map, false);
       squared_distance_ =
           cpu::squared_distance_field(occupied.data(), map.width, map.height, workers_.threads);
@@ -74,7 +75,7 @@ class CpuBackend final : public Backend {
   }
 
   void set_range_max(double range_max_m) override {
-    if (config_.sensor.model != SensorModel::likelihood_field) return;
+    if (casts_rays(config_.sensor.model)) return;
     const DistanceLikelihood likelihood = bind_distance(config_.sensor, map_.resolution_m, range_max_m);
     cpu::likelihood_table(squared_distance_, map_.width, map_.height, likelihood, workers_, field_);
   }
@@ -84,6 +85,7 @@ class CpuBackend final : public Backend {
     now_.y = std::move(p.y);
     now_.theta = std::move(p.theta);
     log_weight_ = std::move(p.log_weight);
+    state_ = {};
   }
   ParticleSet download() const override { return {now_.x, now_.y, now_.theta, log_weight_}; }
 
@@ -104,14 +106,18 @@ class CpuBackend final : public Backend {
   }
 
   void weight(bool fused) override {
-    const bool casts = config_.sensor.model != SensorModel::likelihood_field;
+    const bool casts = casts_rays(config_.sensor.model);
     RayTraceArgs rays = ray_args(casts && fused ? scattered_ : beams_);
     if (casts && !fused) {
       expected_m_ = ray_trace();
       rays.expected_m = expected_m_.data();
     }
     const float* table = field_.empty() ? nullptr : field_.data();
-    cpu::weight(bind_weight(rays, bind_field(table, map_), config_.sensor), workers_);
+    const std::uint32_t* distance = squared_distance_.empty() ? nullptr : squared_distance_.data();
+    const WeightArgs args =
+        bind_weight(rays, bind_field(table, map_), config_.sensor, {distance, votes_view(), &state_});
+    if (judges_beams(args)) cpu::judge_beams(args, workers_);
+    cpu::weight(args, workers_);
   }
 
   void normalise_scan() override {
@@ -142,6 +148,7 @@ class CpuBackend final : public Backend {
   Particles view(Poses& p) {
     return {p.x.data(), p.y.data(), p.theta.data(), log_weight_.data(), p.x.size()};
   }
+  BeamVotes votes_view() { return {votes_.data(), votes_.data() + kMaxBeams, share_.data()}; }
   Weights weights_view() { return {weight_.data(), cumulative_.data(), weight_.size()}; }
   BinTable bins_view() {
     return {bin_key_.data(),  bin_weight_.data(), bin_parent_.data(), bin_slot_.data(),
@@ -156,6 +163,8 @@ class CpuBackend final : public Backend {
   std::vector<std::uint32_t> squared_distance_;
   std::vector<float> field_;
   BeamTable beams_, scattered_;
+  std::vector<std::uint64_t> votes_ = std::vector<std::uint64_t>(2 * kMaxBeams);  // zero between the steps
+  std::vector<float> share_ = std::vector<float>(kMaxBeams);
   Poses now_, other_;
   std::vector<float> log_weight_;
   std::vector<std::uint64_t> weight_, cumulative_;

@@ -1,6 +1,7 @@
 #include <array>
 #include <atomic>
 
+#include "common/filter/judge.h"
 #include "common/filter/normalise.h"
 #include "common/math/fixed_point.h"
 #include "cpu/parallel.h"
@@ -29,13 +30,14 @@ PARLOC_HD std::int64_t sum_of_rays(const Model& model, const Beams& b, const flo
   return sum;
 }
 
-/// Sum over the hits of the likelihood field at particle i.
-template <bool kBilinear>
+/// Sum over the hits of the likelihood field at particle i. kJudged: over those that the cloud agrees with.
+template <bool kBilinear, bool kJudged>
 PARLOC_HD std::int64_t sum_of_end_points(const WeightArgs& a, std::size_t i) {
   const RayTraceArgs& r = a.rays;
   const LikelihoodField field = a.field;
   const float* __restrict end_x = r.beams.end_x;
   const float* __restrict end_y = r.beams.end_y;
+  const float* __restrict share = a.votes.share;
   const SinCos h = portable_sincos(r.particles.theta[i]);
   const float u0 = r.particles.x[i] * r.map.inv_resolution;
   const float v0 = r.particles.y[i] * r.map.inv_resolution;
@@ -43,7 +45,8 @@ PARLOC_HD std::int64_t sum_of_end_points(const WeightArgs& a, std::size_t i) {
   for (std::size_t m = 0; m < r.beams.hits; ++m) {
     const float u = base_to_grid_x(u0, h.cos, h.sin, end_x[m], end_y[m]);
     const float v = base_to_grid_y(v0, h.cos, h.sin, end_x[m], end_y[m]);
-    sum += fixed_log_likelihood(kBilinear ? field.bilinear(u, v) : field.nearest(u, v));
+    const float value = kBilinear ? field.bilinear(u, v) : field.nearest(u, v);
+    sum += kJudged && share[m] == 0.0f ? 0 : fixed_log_likelihood(value);
   }
   return sum;
 }
@@ -88,9 +91,9 @@ MostOfRest most_of_rest(const Model& model, const Beams& b) {
 
 /// Ranges of one particle into `row`, as long as it may win; false if it cannot any more.
 template <class Model>
-bool trace_while_open(const WeightArgs& a, const Model& model, std::size_t i, const RayOrigin& origin,
-                      const MostOfRest& rest, const Contest& contest, float* row, Travellers& on) {
-  const Beams& beams = a.rays.beams;
+bool trace_while_open(const WeightArgs& a, const Model& model, const Beams& beams, std::size_t i,
+                      const RayOrigin& origin, const MostOfRest& rest, const Contest& contest, float* row,
+                      Travellers& on) {
   const float before = a.rays.particles.log_weight[i];
   on.on.count = 0;
   if (a.rays.caster != RayCaster::skip) {  // references, there to be compared with: they trace every beam
@@ -117,10 +120,10 @@ constexpr std::size_t kOrigins = 64;  // particles made ready for their rays at 
 template <class Model>
 void weight_by_rays(const WeightArgs& a, const Model& model, Workers& workers) {
   const RayTraceArgs& r = a.rays;
-  const std::size_t beams = r.beams.count;
+  const Beams beams = beams_for_model(a);
   const float* stored_m = r.expected_m;
   float* log_weight = r.particles.log_weight;
-  const MostOfRest rest = most_of_rest(model, r.beams);
+  const MostOfRest rest = most_of_rest(model, beams);
   Contest contest(r.particles.count);
   const auto loop = [&](std::size_t begin, std::size_t end) PARLOC_SIMD_LOOP {
     alignas(64) float row[kRangeRoom];
@@ -130,25 +133,27 @@ void weight_by_rays(const WeightArgs& a, const Model& model, Workers& workers) {
       const std::size_t k = (i - begin) % kOrigins;
       if (k == 0)
         for (std::size_t n = 0; n < kOrigins && i + n < end; ++n) origins[n] = ray_origin(r, i + n);
-      if (stored_m == nullptr && !trace_while_open(a, model, i, origins[k], rest, contest, row, on)) {
+      if (stored_m == nullptr && !trace_while_open(a, model, beams, i, origins[k], rest, contest, row, on)) {
         log_weight[i] = kNoWeight;
         continue;
       }
-      const float* expected_m = stored_m != nullptr ? stored_m + i * beams : row;
-      log_weight[i] =
-          tempered_log_weight(log_weight[i], sum_of_rays(model, r.beams, expected_m, 0, beams), a.tempering);
+      const float* expected_m = stored_m != nullptr ? stored_m + i * beams.count : row;
+      const std::int64_t sum = sum_of_rays(model, beams, expected_m, 0, beams.count);
+      log_weight[i] = tempered_log_weight(log_weight[i], sum, a.tempering);
       contest.enter(log_weight[i]);
     }
   };
   parallel_blocks(r.particles.count, workers.threads, 1, loop);
 }
 
-template <bool kBilinear>
+template <bool kBilinear, bool kJudged>
 void weight_by_field(const WeightArgs& a, Workers& workers) {
   float* log_weight = a.rays.particles.log_weight;
   const auto loop = [&](std::size_t begin, std::size_t end) PARLOC_SIMD_LOOP {
-    for (std::size_t i = begin; i < end; ++i)
-      log_weight[i] = tempered_log_weight(log_weight[i], sum_of_end_points<kBilinear>(a, i), a.tempering);
+    for (std::size_t i = begin; i < end; ++i) {
+      const std::int64_t sum = sum_of_end_points<kBilinear, kJudged>(a, i);
+      log_weight[i] = tempered_log_weight(log_weight[i], sum, a.tempering);
+    }
   };
   parallel_blocks(a.rays.particles.count, workers.threads, 1, loop);
 }
@@ -156,15 +161,12 @@ void weight_by_field(const WeightArgs& a, Workers& workers) {
 }  // namespace
 
 void weight(const WeightArgs& a, Workers& workers) {
-  switch (a.model) {
-    case SensorModel::gaussian:
-      return weight_by_rays(a, a.gaussian, workers);
-    case SensorModel::beam:
-      return weight_by_rays(a, a.censored, workers);
-    case SensorModel::likelihood_field:
-      return a.lookup == FieldLookup::bilinear ? weight_by_field<true>(a, workers)
-                                               : weight_by_field<false>(a, workers);
-  }
+  if (casts_rays(a.model))
+    return with_ray_model(a.models, a.model, [&](const auto& model) { weight_by_rays(a, model, workers); });
+  const bool bilinear = a.lookup == FieldLookup::bilinear;
+  if (judges_beams(a))
+    return bilinear ? weight_by_field<true, true>(a, workers) : weight_by_field<false, true>(a, workers);
+  return bilinear ? weight_by_field<true, false>(a, workers) : weight_by_field<false, false>(a, workers);
 }
 
 }  // namespace parloc::cpu

@@ -5,6 +5,7 @@
 
 #include "common/filter/bind.h"
 #include "common/filter/bins.h"
+#include "common/filter/judge.h"
 #include "common/map/blocking_cells.h"
 #include "common/map/skip_field.h"
 #include "common/map/wall_index.h"
@@ -66,6 +67,8 @@ class CudaBackend final : public Backend {
     clear_all_bins(bins_, stream_);
     state_.from_host({StepState{}}, stream_);
     state_up_.reserve(1);
+    votes_.from_host(std::vector<std::uint64_t>(2 * kMaxBeams), stream_);
+    share_.reserve(kMaxBeams);
     if (config.resample.scheme == ResampleScheme::residual) {
       offspring_sum_.reserve(count_);
       remainder_sum_.reserve(count_);
@@ -84,7 +87,7 @@ class CudaBackend final : public Backend {
     run_planned();
     steps_.clear();  // they know the old map's place
     map_ = map;
-    const bool field = config_.sensor.model == SensorModel::likelihood_field;
+    const bool field = !casts_rays(config_.sensor.model);
     const std::vector<std::uint8_t> blocks = blocking_cells(map, !field && config_.sensor.unknown_blocks);
     if (field) {
       DeviceBuffer<std::uint8_t> occupied;
@@ -111,7 +114,7 @@ class CudaBackend final : public Backend {
   }
 
   void set_range_max(double range_max_m) override {
-    if (config_.sensor.model != SensorModel::likelihood_field) return;
+    if (casts_rays(config_.sensor.model)) return;
     use_device();
     run_planned();
     field_.reserve((static_cast<std::size_t>(map_.width) + 2) * (static_cast<std::size_t>(map_.height) + 2));
@@ -126,6 +129,7 @@ class CudaBackend final : public Backend {
     a_.y.from_host(p.y, stream_);
     a_.theta.from_host(p.theta, stream_);
     log_weight_.from_host(p.log_weight, stream_);
+    state_.from_host({StepState{}}, stream_);
     synchronise(stream_);
     now_ = &a_, other_ = &b_;
   }
@@ -144,7 +148,8 @@ class CudaBackend final : public Backend {
   void set_scan(const BeamTable& t) override {
     use_device();
     if (planned_ >= kWeight) run_planned();
-    input_.host().censored = bind_censored(config_.sensor, t.range_max_m);
+    input_.host().models = bind_ray_models(config_.sensor, t.range_max_m);
+    input_.host().tempering = bind_tempering(config_.sensor, t);
     if (input_.set_scan(t)) steps_.clear();  // they know the arrays' old place
   }
 
@@ -157,7 +162,7 @@ class CudaBackend final : public Backend {
   }
 
   void weight(bool fused) override {
-    const bool stored = !fused && config_.sensor.model != SensorModel::likelihood_field;
+    const bool stored = !fused && casts_rays(config_.sensor.model);
     plan(stored ? kWeightUnfused : kWeight);
     if (stored) reserve_expected();
   }
@@ -215,8 +220,10 @@ class CudaBackend final : public Backend {
     if (asked(kWeight) || asked(kWeightUnfused)) {
       RayTraceArgs rays = ray_args();
       rays.expected_m = asked(kWeightUnfused) ? expected_m_.data() : nullptr;
-      const LikelihoodField field = bind_field(field_.data(), map_);
-      stage::weight(bind_weight(rays, field, config_.sensor), input_.device(), stream_);
+      const WeightArgs args = bind_weight(rays, bind_field(field_.data(), map_), config_.sensor,
+                                          {squared_distance_.data(), votes_view(), state_.data()});
+      if (judges_beams(args)) stage::judge_beams(args, input_.device(), stream_);
+      stage::weight(args, input_.device(), stream_);
     }
     if (asked(kNormalise))
       stage::normalise_scan(bind_normalise(view(*now_), weights_view(), config_.resample, state_.data()),
@@ -260,6 +267,7 @@ class CudaBackend final : public Backend {
   Particles view(const Poses& p) const {
     return {p.x.data(), p.y.data(), p.theta.data(), log_weight_.data(), count_};
   }
+  BeamVotes votes_view() const { return {votes_.data(), votes_.data() + kMaxBeams, share_.data()}; }
   Weights weights_view() const { return {weight_.data(), cumulative_.data(), count_}; }
 
   BackendConfig config_;
@@ -276,6 +284,8 @@ class CudaBackend final : public Backend {
   std::uint32_t wall_count_ = 0;
   DeviceBuffer<float> field_;
   StepInputBuffer input_;
+  DeviceBuffer<std::uint64_t> votes_;  // zero between the steps
+  DeviceBuffer<float> share_;
   DeviceBuffer<float> expected_m_;  // unfused reference only
   Poses a_, b_;
   DeviceBuffer<float> log_weight_;

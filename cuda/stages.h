@@ -1,4 +1,4 @@
-// The six stages as kernels; contract in common/filter/stages.h. All are asynchronous on `stream` and can be
+// The stages as kernels; contract in common/filter/stages.h. All are asynchronous on `stream` and can be
 // recorded: what changes from step to step (motion, random key, scan) they read from `input`, in device
 // memory, and not from their arguments.
 #pragma once
@@ -21,6 +21,8 @@ struct Scratch {
 
 void predict(const Particles& particles, const StepInput* input, Stream stream);
 void ray_trace(const RayTraceArgs& args, const StepInput* input, Stream stream);
+/// Only for models that ask all particles about a beam (judges_beams); before weight.
+void judge_beams(const WeightArgs& args, const StepInput* input, Stream stream);
 void weight(const WeightArgs& args, const StepInput* input, Stream stream);
 void normalise_scan(const NormaliseArgs& args, Scratch& scratch, Stream stream);
 void estimate(const Particles& particles, const Weights& weights, const BinTable& bins, StepState* state,

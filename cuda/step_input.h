@@ -16,12 +16,20 @@ struct alignas(16) StepInput {
   MotionStep motion;
   RandomKey key;
   ScanShape scan;
-  CensoredBeam censored;  ///< Depends on the maximum range.
+  RayModels models;  ///< They depend on the maximum range.
+  float tempering = 1.0f;
 };
 
 /// `args` with the scan of this step; the arrays stay where they are.
 PARLOC_HD RayTraceArgs with_scan(RayTraceArgs args, const StepInput& input) {
   static_cast<ScanShape&>(args.beams) = input.scan;
+  return args;
+}
+
+PARLOC_HD WeightArgs with_scan(WeightArgs args, const StepInput& input) {
+  args.rays = with_scan(args.rays, input);
+  args.models = input.models;
+  args.tempering = input.tempering;
   return args;
 }
 

@@ -1,3 +1,4 @@
+#include "common/filter/judge.h"
 #include "common/filter/trace_beam.h"
 #include "common/math/fixed_point.h"
 #include "cuda/stages.h"
@@ -12,17 +13,17 @@ PARLOC_HD std::int32_t ray_beam(const WeightArgs& a, const RayOrigin& o, std::si
   const Beams& beams = a.rays.beams;
   const float expected_m =
       a.rays.expected_m != nullptr ? a.rays.expected_m[i * beams.count + m] : trace_beam(a.rays, o, m);
-  const float range_m = beams.range_m[m];
+  const float range_m = beams.range_m[m], constant = beams_for_model(a).short_density[m];
   const bool hit = m < beams.hits;
-  if (a.model == SensorModel::gaussian)
-    return fixed_log_likelihood(hit ? a.gaussian.hit(range_m, 0.0f, expected_m)
-                                    : a.gaussian.miss(range_m, expected_m));
-  return fixed_log_likelihood(hit ? a.censored.hit(range_m, beams.short_density[m], expected_m)
-                                  : a.censored.miss(range_m, expected_m));
+  return with_ray_model(a.models, a.model, [&](const auto& model) {
+    return fixed_log_likelihood(hit ? model.hit(range_m, constant, expected_m)
+                                    : model.miss(range_m, expected_m));
+  });
 }
 
 PARLOC_HD std::int32_t field_beam(const WeightArgs& a, float u0, float v0, const SinCos& h, std::size_t m) {
   const Beams& beams = a.rays.beams;
+  if (judges_beams(a) && a.votes.share[m] == 0.0f) return 0;
   const float u = base_to_grid_x(u0, h.cos, h.sin, beams.end_x[m], beams.end_y[m]);
   const float v = base_to_grid_y(v0, h.cos, h.sin, beams.end_x[m], beams.end_y[m]);
   return fixed_log_likelihood(a.lookup == FieldLookup::bilinear ? a.field.bilinear(u, v)
@@ -34,7 +35,7 @@ PARLOC_HD std::int64_t lane_sum(const WeightArgs& a, std::size_t i, unsigned lan
   const Particles& particles = a.rays.particles;
   const Beams& beams = a.rays.beams;
   std::int64_t sum = 0;
-  if (a.model == SensorModel::likelihood_field) {
+  if (!casts_rays(a.model)) {
     const SinCos h = portable_sincos(particles.theta[i]);
     const float u0 = particles.x[i] * a.rays.map.inv_resolution;
     const float v0 = particles.y[i] * a.rays.map.inv_resolution;
@@ -59,17 +60,12 @@ struct WeightGroup {  // a block weighs kParticlesPerBlock particles
     const std::size_t i = first + std::size_t{me.block} * kParticlesPerBlock + slot;
     if (phase == 0 && lane == 0) shared.sum[slot] = 0;
     if (i >= args.rays.particles.count) return;
-    if (phase == 1) atomic_add(&shared.sum[slot], static_cast<std::uint64_t>(lane_sum(now(), i, lane)));
+    if (phase == 1)
+      atomic_add(&shared.sum[slot], static_cast<std::uint64_t>(lane_sum(with_scan(args, *input), i, lane)));
     float& log_weight = args.rays.particles.log_weight[i];
     if (phase == 2 && lane == 0)
       log_weight =
-          tempered_log_weight(log_weight, static_cast<std::int64_t>(shared.sum[slot]), args.tempering);
-  }
-  PARLOC_HD WeightArgs now() const {
-    WeightArgs a = args;
-    a.rays = with_scan(args.rays, *input);
-    a.censored = input->censored;
-    return a;
+          tempered_log_weight(log_weight, static_cast<std::int64_t>(shared.sum[slot]), input->tempering);
   }
 };
 

@@ -20,6 +20,8 @@ struct Command {
 /// `typed` is the whole command line, for the report.
 Command add_run_command(CLI::App& program, const std::string& typed);
 Command add_simulate_command(CLI::App& program);
+/// `typed` is the whole command line, for the block that it prints.
+Command add_learn_command(CLI::App& program, const std::string& typed);
 Command add_map_command(CLI::App& program);
 Command add_config_command(CLI::App& program);
 /// `typed` is the whole command line, for the results.

@@ -177,6 +177,7 @@ class Run {
     result_.trajectory.push_back({record.stamp_s, estimate.pose});
     if (!start_.anywhere)
       result_.odometry.push_back({record.stamp_s, compose(T_map_odometry_, record.odometry)});
+    result_.covariances.push_back({record.stamp_s, estimate.covariance});
     result_.steps.push_back(step_record(estimate, record.stamp_s, step_ms));
     result_.lost_steps += estimate.lost ? 1 : 0;
     ++result_.scans;

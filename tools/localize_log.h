@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "common/eval/consistency.h"
 #include "common/filter/config.h"
 #include "common/filter/particle_filter.h"
 #include "common/io/log.h"
@@ -30,9 +31,10 @@ struct LocalizeRequest {
 };
 
 struct Localization {
-  Trajectory trajectory;            ///< One row per scan, in file order: the estimate at the scan.
-  Trajectory odometry;              ///< Dead reckoning from the start pose; empty for a start anywhere.
-  std::vector<StepRecord> steps;    ///< One per scan.
+  Trajectory trajectory;          ///< One row per scan, in file order: the estimate at the scan.
+  Trajectory odometry;            ///< Dead reckoning from the start pose; empty for a start anywhere.
+  std::vector<StepRecord> steps;  ///< One per scan.
+  std::vector<StampedCovariance> covariances;  ///< Likewise: of the estimate.
   std::vector<Snapshot> snapshots;  ///< 7 to 13 over the whole run (fewer scans: all), the last one included.
   std::size_t scans = 0;            ///< Read from the log.
   std::size_t filter_steps = 0;

@@ -120,7 +120,7 @@ int run(const RunOptions& o, const std::string& typed) {
   OutputFolder out(o.out, {kTrajectory, kMetrics, kReport, kPicture, kErrors});
 
   RunResults results{o.map, o.log, o.truth, o.relations, typed, o.init.empty() ? "truth" : o.init,
-                     {},    {},    {},      {},          {}};
+                     {},    {},    {},      {},          {},    {}};
   catch_interrupts();
   {
     Progress progress(Progress::style_here(o.quiet));
@@ -137,6 +137,7 @@ int run(const RunOptions& o, const std::string& typed) {
   results.truth = std::move(request.truth);
   if (!o.truth.empty()) {
     results.errors = compare_tracks(results.run.trajectory, results.truth);
+    results.consistency = check_consistency(*results.errors, results.run.covariances);
     results.odometry_errors = compare_tracks(results.run.odometry, results.truth);
   }
   if (!o.relations.empty()) results.relations = compare_relations(results.run.trajectory, relations);

@@ -71,6 +71,14 @@ void add_track_errors(Json& json, const std::optional<TrackErrors>& errors) {
   json["without_truth"] = errors ? Json(errors->without_truth) : Json(nullptr);
 }
 
+/// NEES of x, y and heading: 3 is right, more is over-confident.
+Json nees_json(const std::optional<Consistency>& c) {
+  if (!c || c->compared == 0) return nullptr;
+  return {{"mean", c->nees_mean},    {"median", c->nees_median}, {"within_95", c->within_95},
+          {"x_mean", c->x_mean},     {"y_mean", c->y_mean},      {"heading_mean", c->heading_mean},
+          {"compared", c->compared}, {"singular", c->singular}};
+}
+
 /// How far dead reckoning goes wrong: what the LiDAR is for.
 Json odometry_json(const std::optional<TrackErrors>& errors) {
   if (!errors || errors->compared == 0) return nullptr;
@@ -138,6 +146,11 @@ std::string relations_text(const RelationErrors& e) {
   return fmt::format("{:.3f} +- {:.3f} m, {:.2f} +- {:.2f} degrees, from {}", e.translation_mean_m,
                      e.translation_std_m, e.rotation_mean_rad * kDegrees, e.rotation_std_rad * kDegrees,
                      e.compared);
+}
+std::string consistency_text(const Consistency& c) {
+  return fmt::format(
+      "NEES {:.2f} in the mean, {:.2f} in the median (3 and 2.4 are right, more is over-confident)",
+      c.nees_mean, c.nees_median);
 }
 std::string speed_text(const Localization& run) {
   const StepTimes times = step_times(run.steps);
@@ -236,6 +249,9 @@ std::vector<Fact> main_facts(const RunResults& results) {
     facts.push_back({"heading error", heading_text(*results.errors)});
     facts.push_back({"at the end", end_text(*results.errors, results.odometry_errors)});
   }
+  if (results.consistency && results.consistency->compared > 0) {
+    facts.push_back({"consistency", consistency_text(*results.consistency)});
+  }
   if (run.odometry_only) facts.push_back({"spread", spread_text(run)});
   if (results.errors && results.errors->without_truth > 0) {
     facts.push_back({"no truth for", fmt::format("{} scans", results.errors->without_truth)});
@@ -301,6 +317,7 @@ std::string metrics_json(const RunResults& results) {
   Json json;
   json["parloc"] = PARLOC_VERSION;
   add_track_errors(json, results.errors);
+  json["nees"] = nees_json(results.consistency);
   json["odometry_only"] = run.odometry_only;
   json["odometry"] = odometry_json(results.odometry_errors);
   json["relations"] = relations_json(results.relations);

@@ -4,6 +4,7 @@
 #include <optional>
 #include <string>
 
+#include "common/eval/consistency.h"
 #include "common/eval/metrics.h"
 #include "common/io/report.h"
 #include "common/map/grid_map.h"
@@ -19,6 +20,7 @@ struct RunResults {
   Localization run;
   Trajectory truth;                            ///< Empty without one.
   std::optional<TrackErrors> errors;           ///< With a truth.
+  std::optional<Consistency> consistency;      ///< With a truth.
   std::optional<TrackErrors> odometry_errors;  ///< Of dead reckoning, with a truth and a known start.
   std::optional<RelationErrors> relations;     ///< With relations.
 };

@@ -107,6 +107,10 @@ int run(const SimulateOptions& o) {
              scans_in(log), scenario.seed);
   fmt::print("{:<12}{} of {} hit, {} without a wall in reach, {} dropped out\n", "beams", log.hits, log.beams,
              log.over_range, log.dropouts);
+  if (log.unmapped > 0) {
+    fmt::print("{:<12}{:.1f} % of the hits are on people and boxes that are not on the map\n", "clutter",
+               100.0 * static_cast<double>(log.unmapped) / static_cast<double>(log.hits));
+  }
   fmt::print("{:<12}{} (beside it: truth.tum)\n", "log", out.final_path("scans.log"));
   print_unsaid(scenario);
   if (!scenario.localization_map_path.empty()) {

@@ -143,6 +143,14 @@ TrackErrors compare_tracks(const Trajectory& estimate, const Trajectory& truth, 
   return e;
 }
 
+std::vector<std::optional<Pose>> truth_at(const Trajectory& truth, const std::vector<double>& stamps_s,
+                                          double max_gap_s) {
+  const Truth true_pose(truth, max_gap_s);
+  std::vector<std::optional<Pose>> poses;
+  for (const double stamp_s : stamps_s) poses.push_back(true_pose.at(stamp_s));
+  return poses;
+}
+
 std::vector<Relation> read_relations(const std::string& path) {
   LineReader lines = LineReader::from_file(path);
   return read_text_rows(lines, read_relation);

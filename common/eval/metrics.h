@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstddef>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -24,6 +25,10 @@ struct TrackErrors {
 /// between the rows around it in time order when they are at most max_gap_s apart (x, y linear; heading along
 /// the shortest arc).
 TrackErrors compare_tracks(const Trajectory& estimate, const Trajectory& truth, double max_gap_s = 1.5);
+
+/// The truth at each stamp, by the same rule; nothing where there is none.
+std::vector<std::optional<Pose>> truth_at(const Trajectory& truth, const std::vector<double>& stamps_s,
+                                          double max_gap_s = 1.5);
 
 /// One relation: the pose at stamp_2 in the frame of the pose at stamp_1.
 struct Relation {

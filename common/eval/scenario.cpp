@@ -97,6 +97,22 @@ void read_odometry(YamlSection section, SimulatedOdometry& odometry) {
   section.finish();
 }
 
+void read_clutter(YamlSection section, SimulatedClutter& clutter) {
+  section.integer("boxes", clutter.boxes, 0, 10'000);
+  section.number("box_min", clutter.box_min_m, 0.01, 100.0);
+  section.number("box_max", clutter.box_max_m, 0.01, 100.0);
+  section.number("box_reach", clutter.box_reach_m, 0.1, 1000.0);
+  section.number("clearance", clutter.clearance_m, 0.0, 100.0);
+  section.integer("people", clutter.people, 0, 1000);
+  section.number("person_radius", clutter.person_radius_m, 0.01, 10.0);
+  section.number("person_min", clutter.person_min_m, 0.05, 1000.0);
+  section.number("person_max", clutter.person_max_m, 0.05, 1000.0);
+  if (clutter.box_min_m > clutter.box_max_m) throw section.error("box_min", "must not exceed box_max");
+  if (clutter.person_min_m > clutter.person_max_m)
+    throw section.error("person_min", "must not exceed person_max");
+  section.finish();
+}
+
 Waypoint read_point(const YAML::Node& node, std::size_t number, const std::string& file) {
   const std::string what = fmt::format("points: point {}", number);
   const auto fail = [&](const std::string& message) {
@@ -167,6 +183,7 @@ Scenario scenario_from_text(const std::string& text, const std::string& name) {
   top.number("scan_rate", scenario.scan_rate_hz, 0.01, 200.0);
   read_lidars(top, scenario);
   read_odometry(top.section("odometry"), scenario.odometry);
+  read_clutter(top.section("clutter"), scenario.clutter);
   top.finish();
   scenario.map_path = beside(name, scenario.map_path);
   if (!scenario.localization_map_path.empty()) {

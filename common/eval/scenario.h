@@ -62,6 +62,18 @@ struct SimulatedOdometry {
   Pose start;                      ///< Pose of the odometry when the drive begins, in the odometry frame.
 };
 
+/// Things that are on no map. Boxes stand beside the path; people walk with the robot, all around it, and go
+/// through walls (a wall hides who is behind it).
+struct SimulatedClutter {
+  int boxes = 0;
+  double box_min_m = 0.3, box_max_m = 1.0;  ///< Length and width.
+  double box_reach_m = 3.0;                 ///< At most so far from the path.
+  double clearance_m = 0.4;                 ///< At least so far from it.
+  int people = 0;
+  double person_radius_m = 0.25;
+  double person_min_m = 0.7, person_max_m = 3.0;  ///< From the robot.
+};
+
 struct Scenario {
   std::string map_path;               ///< What rays are cast against.
   std::string localization_map_path;  ///< The coarser map for the filter; empty if the scenario names none.
@@ -72,6 +84,7 @@ struct Scenario {
   SimulatedLidar lidar;                     ///< robotlaser1 of the log.
   std::vector<SimulatedLidar> more_lidars;  ///< robotlaser2 and so on, at most 8.
   SimulatedOdometry odometry;
+  SimulatedClutter clutter;
 };
 
 /// Reads a scenario and its path; the files it names are relative to its own folder. Angles are in degrees

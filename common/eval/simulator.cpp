@@ -11,6 +11,7 @@
 #include <utility>
 
 #include "common/error.h"
+#include "common/eval/clutter.h"
 #include "common/eval/drive.h"
 #include "common/eval/simulated_walls.h"
 #include "common/math/philox.h"
@@ -200,7 +201,9 @@ TrueBeam true_beam(const SimulatedLidar& lidar, const Drive& drive, double stamp
 
 /// Scan number `index` of LiDAR number `which`; counts its beams in `log`.
 Scan take_scan(const Scenario& scenario, const SimulatedLidar& lidar, std::uint32_t which, const GridMap& map,
-               const Drive& drive, double stamp_s, std::uint32_t index, SimulatedLog& log) {
+               const ClutterField& clutter, const Drive& drive, double stamp_s, std::uint32_t index,
+               SimulatedLog& log) {
+  const Pose truth = pose_at(drive, stamp_s);
   Scan scan;
   scan.stamp_s = stamp_s;
   scan.sensor = fmt::format("robotlaser{}", which + 1);
@@ -213,7 +216,10 @@ Scan take_scan(const Scenario& scenario, const SimulatedLidar& lidar, std::uint3
   scan.ranges_m.resize(static_cast<std::size_t>(lidar.beams));
   for (int beam = 0; beam < lidar.beams; ++beam) {
     const TrueBeam b = true_beam(lidar, drive, stamp_s, beam);
-    const SimulatedHit wall = cast_simulated_ray(map, b.x_m, b.y_m, b.angle_rad, lidar.range_max_m);
+    SimulatedHit wall = cast_simulated_ray(map, b.x_m, b.y_m, b.angle_rad, lidar.range_max_m);
+    const double free_m = clutter.range(truth, stamp_s, b.x_m, b.y_m, b.angle_rad, wall.range_m);
+    const bool unmapped = free_m < wall.range_m;
+    if (unmapped) wall.range_m = free_m, wall.hit = true;
     const Philox4x32 r =
         philox(static_cast<std::uint32_t>(beam), index, Stream::simulated_beams, which, scenario.seed);
     const double sigma_m = lidar.sigma_range_m + lidar.sigma_range_relative * wall.range_m;
@@ -230,6 +236,7 @@ Scan take_scan(const Scenario& scenario, const SimulatedLidar& lidar, std::uint3
     } else {
       reading = static_cast<float>(range_m);
       ++log.hits;
+      log.unmapped += unmapped ? 1 : 0;
     }
   }
   log.beams += static_cast<std::size_t>(lidar.beams);
@@ -287,6 +294,7 @@ SimulatedLog simulate(const Scenario& scenario, const GridMap& map,
   const Drive drive = plan_drive(scenario.path);
   const Schedule schedule = make_schedule(scenario, drive.duration_s());
   check_path(scenario.path, map);
+  const ClutterField clutter(scenario, map);
   SimulatedLog log;
   log.path_length_m = path_length_m(scenario.path);
   log.duration_s = drive.duration_s();
@@ -304,7 +312,7 @@ SimulatedLog simulate(const Scenario& scenario, const GridMap& map,
       if (since < 0 || since % schedule.scan_ticks != 0) continue;
       record.kind = RecordKind::scan;
       const auto index = static_cast<std::uint32_t>(since / schedule.scan_ticks);
-      record.scan = take_scan(scenario, *lidars[k], k, map, drive, stamp_s, index, log);
+      record.scan = take_scan(scenario, *lidars[k], k, map, clutter, drive, stamp_s, index, log);
       log.records.push_back(record);
     }
     const bool is_scan = record.kind == RecordKind::scan;

@@ -38,6 +38,7 @@ struct SimulatedLog {
   std::size_t beams = 0;  ///< All beams of all scans: hits + over_range + dropouts.
   std::size_t hits = 0;
   std::size_t over_range = 0;  ///< No wall in reach.
+  std::size_t unmapped = 0;    ///< Of the hits, those on something that is not on the map.
   std::size_t dropouts = 0;    ///< Lost by chance, or closer than the minimum range.
 };
 

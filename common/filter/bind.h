@@ -49,15 +49,34 @@ inline RayTraceArgs bind_rays(const Particles& particles, const RayMap& map, con
   return {particles, map, beams, sensor.caster, static_cast<float>(sensor.fixed_step_cells), nullptr};
 }
 
+/// Exponent of the likelihood of a scan. M beams that are worth M_eff independent ones: M_eff / M.
+inline float bind_tempering(const SensorConfig& c, const ScanShape& scan) {
+  const std::size_t beams = casts_rays(c.model) ? scan.count : scan.hits;
+  if (c.tempering > 0.0) return static_cast<float>(c.tempering);
+  return c.effective_beams < static_cast<double>(beams)
+             ? static_cast<float>(c.effective_beams / static_cast<double>(beams))
+             : 1.0f;
+}
+
+/// What the models that ask all particles about a beam need besides.
+struct JudgeArrays {
+  const std::uint32_t* squared_cells = nullptr;  ///< Null for models that cast rays.
+  BeamVotes votes;
+  const StepState* state = nullptr;
+};
+
 inline WeightArgs bind_weight(const RayTraceArgs& rays, const LikelihoodField& field,
-                              const SensorConfig& sensor) {
+                              const SensorConfig& sensor, const JudgeArrays& judge) {
+  const std::uint32_t* squared_cells = sensor.do_beamskip ? judge.squared_cells : nullptr;
   return {rays,
           sensor.model,
-          static_cast<float>(sensor.tempering),
-          bind_gaussian(sensor),
-          bind_censored(sensor, rays.beams.range_max_m),
+          bind_tempering(sensor, rays.beams),
+          bind_ray_models(sensor, rays.beams.range_max_m),
           field,
-          sensor.lookup};
+          sensor.lookup,
+          bind_beam_skip(sensor, squared_cells, rays.map.width, rays.map.height, rays.map.resolution_m),
+          judge.votes,
+          judge.state};
 }
 
 inline NormaliseArgs bind_normalise(const Particles& particles, const Weights& weights,

@@ -63,10 +63,13 @@ inline constexpr std::array<Choice<ZeroPolicy>, 2> kZeroPolicies{
     {{"invalid", ZeroPolicy::invalid}, {"miss", ZeroPolicy::miss}}};
 inline constexpr std::array<Choice<StampAt>, 3> kStampAts{
     {{"first", StampAt::first}, {"middle", StampAt::middle}, {"last", StampAt::last}}};
-inline constexpr std::array<Choice<SensorModel>, 3> kSensorModels{
+inline constexpr std::array<Choice<SensorModel>, 6> kSensorModels{
     {{"gaussian", SensorModel::gaussian},
+     {"s5", SensorModel::s5},
      {"beam", SensorModel::beam},
-     {"likelihood_field", SensorModel::likelihood_field}}};
+     {"class_conditional", SensorModel::class_conditional},
+     {"likelihood_field", SensorModel::likelihood_field},
+     {"likelihood_field_prob", SensorModel::likelihood_field_prob}}};
 inline constexpr std::array<Choice<FieldLookup>, 2> kFieldLookups{
     {{"nearest", FieldLookup::nearest}, {"bilinear", FieldLookup::bilinear}}};
 inline constexpr std::array<Choice<RayCaster>, 3> kRayCasters{
@@ -136,21 +139,38 @@ void visit_fields(Config& c, Visitor&& visit) {
   visit(Field{"scan", "stamp_at", "The beam that a scan's stamp is the time of"}, s.stamp_at, kStampAts);
 
   auto& z = c.sensor;
-  visit(Field{"sensor", "model", "gaussian and beam cast rays; likelihood_field looks up end points"},
-        z.model, kSensorModels);
+  visit(Field{"sensor", "model", "The first four cast rays, the others look up end points"}, z.model,
+        kSensorModels);
   visit(Field{"sensor", "sigma_hit", "Standard deviation of a range, or of a wall's place (field) [m]"},
         z.sigma_hit, Real{0.001, 10});
   visit(Field{"sensor", "z_hit", "Share of beams that end at the map's walls; the four shares sum to 1"},
         z.z_hit, Real{0, 1});
-  visit(Field{"sensor", "z_short", "Share of beams that something else stops (beam)"}, z.z_short, Real{0, 1});
-  visit(Field{"sensor", "z_max", "Share of beams that never return (beam)"}, z.z_max, Real{0, 1});
+  visit(Field{"sensor", "z_short", "Share of beams that something else stops (beam, class_conditional)"},
+        z.z_short, Real{0, 1});
+  visit(Field{"sensor", "z_max", "Share of beams that never return (beam, class_conditional)"}, z.z_max,
+        Real{0, 1});
   visit(Field{"sensor", "z_rand", "Share of beams that say nothing"}, z.z_rand, Real{0, 1});
-  visit(Field{"sensor", "lambda_short", "Decay of the short beams (beam) [1/m]"}, z.lambda_short,
-        Real{0, 100, true});
+  visit(Field{"sensor", "lambda_short", "Decay of the short beams (beam, class_conditional) [1/m]"},
+        z.lambda_short, Real{0, 100, true});
   visit(Field{"sensor", "laser_likelihood_max_dist", "Cap of the distance to a wall (field) [m]"},
         z.laser_likelihood_max_dist, Real{0.01, 100});
-  visit(Field{"sensor", "tempering", "Exponent of a scan's likelihood: beams are not independent"},
-        z.tempering, Real{0, 1, true});
+  visit(Field{"sensor", "effective_beams", "Independent beams that a scan is worth, however many it has"},
+        z.effective_beams, Real{0, 4096, true});
+  visit(Field{"sensor", "tempering", "Exponent of a scan's likelihood; 0: effective_beams / beams"},
+        z.tempering, Real{0, 1});
+  visit(Field{"sensor", "s5_epsilon", "Weight of a beam beyond the maximum, measured and expected (s5)"},
+        z.s5_epsilon, Real{1e-30, 1});
+  visit(Field{"sensor", "do_beamskip", "Skip beams that few particles agree with (likelihood_field_prob)"},
+        z.do_beamskip);
+  visit(Field{"sensor", "beam_skip_distance", "A particle agrees with a beam that ends this near a wall [m]"},
+        z.beam_skip_distance, Real{0.001, 100});
+  visit(Field{"sensor", "beam_skip_threshold", "Share of the particles that must agree with a beam"},
+        z.beam_skip_threshold, Real{0, 1});
+  visit(
+      Field{"sensor", "beam_skip_error_threshold", "All beams count if this share of them would be skipped"},
+      z.beam_skip_error_threshold, Real{0, 1});
+  visit(Field{"sensor", "beam_skip_spread", "Skip only while the particles' standard deviation is less [m]"},
+        z.beam_skip_spread, Real{0, 1000});
   visit(Field{"sensor", "lookup", "How the distance field is read (field)"}, z.lookup, kFieldLookups);
   visit(Field{"sensor", "caster", "skip and dda are exact and equal; fixed_step is the 2012 paper's"},
         z.caster, kRayCasters);

@@ -1,4 +1,4 @@
-// THE STAGE CONTRACT. The six stages exist under the same names in cpu/ (OpenMP) and cuda/ (kernels); both
+// THE STAGE CONTRACT. The stages exist under the same names in cpu/ (OpenMP) and cuda/ (kernels); both
 // are only loops over the functions in common/, so that every array below holds the same bits on both.
 //
 // Frame and units: particles live in the grid frame of the map (origin at its lower-left corner), float32
@@ -13,7 +13,8 @@
 // |----------------|------------------------------------------|-----------------------------------------------------|
 // | predict        | poses, MotionStep                        | poses                                               |
 // | ray_trace      | poses, map, beams                        | expected_m[N][M] (unfused reference)                |
-// | weight         | poses, map, beams (or expected_m)        | log_weight += tempering * sum of beams              |
+// | judge_beams    | poses, log_weight, map, beams, state     | share of each beam (models that ask the cloud)      |
+// | weight         | poses, map, beams (or expected_m), shares| log_weight += tempering * sum of beams              |
 // | normalise_scan | log_weight                               | log_weight - max, weight[N], cumulative[N], state   |
 // | estimate       | poses, weight, state                     | state's moments of all and of the heaviest cluster  |
 // | resample       | poses, weight, cumulative, state         | ancestor[N], the other pose buffer, log_weight      |
@@ -25,6 +26,7 @@
 
 #include "common/filter/config.h"
 #include "common/map/ray_cast.h"
+#include "common/model/beam_skip.h"
 #include "common/model/likelihood_field.h"
 #include "common/model/motion.h"
 #include "common/model/ray_models.h"
@@ -76,16 +78,27 @@ struct RayTraceArgs {
   float* expected_m = nullptr;  ///< [N][M], row per particle; range_max_m where nothing is hit.
 };
 
+struct StepState;
+
+/// What the particles together make of each beam (common/filter/judge.h); null for models that do not ask.
+struct BeamVotes {
+  std::uint64_t* map = nullptr;       ///< [kMaxBeams] That it saw the map. Zero between the steps.
+  std::uint64_t* unmapped = nullptr;  ///< [kMaxBeams] That it saw something else; likewise.
+  float* share = nullptr;             ///< [kMaxBeams] How far it counts, 0 to 1.
+};
+
 /// `rays.expected_m` null: rays are traced on the fly (fused), nothing of size N x M is stored. Else it holds
 /// what ray_trace wrote. Same bits either way.
 struct WeightArgs {
   RayTraceArgs rays;
   SensorModel model = SensorModel::likelihood_field;
   float tempering = 1.0f;
-  GaussianBeam gaussian;  ///< model == gaussian
-  CensoredBeam censored;  ///< model == beam
-  LikelihoodField field;  ///< model == likelihood_field
+  RayModels models;       ///< Of the models that cast rays.
+  LikelihoodField field;  ///< Of the others.
   FieldLookup lookup = FieldLookup::bilinear;
+  BeamSkip skip;
+  BeamVotes votes;
+  const StepState* state = nullptr;  ///< Of the step before.
 };
 
 /// Weighted sums that an estimate is made of; in the grid frame.

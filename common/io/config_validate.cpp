@@ -81,7 +81,8 @@ std::optional<ConfigViolation> lidar_violation(const FilterConfig& config, std::
 
 /// SPEC 3.3: the mixture is a probability, and no single beam may rule out every particle.
 std::optional<ConfigViolation> mixture_violation(const SensorConfig& sensor) {
-  if (sensor.model == SensorModel::gaussian) return std::nullopt;  // has no mixture
+  if (sensor.model == SensorModel::gaussian || sensor.model == SensorModel::s5)
+    return std::nullopt;  // no mixture
   const double sum = sensor.z_hit + sensor.z_short + sensor.z_max + sensor.z_rand;
   if (!(std::fabs(sum - 1.0) <= 1e-6)) {
     return ConfigViolation{"sensor.z_hit",
@@ -93,10 +94,16 @@ std::optional<ConfigViolation> mixture_violation(const SensorConfig& sensor) {
     return ConfigViolation{"sensor.z_rand",
                            "sensor.z_rand must be above 0, else a single beam can rule out every particle"};
   }
-  if (sensor.model == SensorModel::beam && sensor.z_max <= 0.0) {
-    return ConfigViolation{"sensor.z_max",
-                           "sensor.z_max must be above 0 with sensor.model beam, else a single beam "
-                           "without return can rule out every particle"};
+  if (casts_rays(sensor.model) && sensor.z_max <= 0.0) {
+    return ConfigViolation{
+        "sensor.z_max", fmt::format("sensor.z_max must be above 0 with sensor.model {}, else a single beam "
+                                    "without return can rule out every particle",
+                                    config_text::choice_name(sensor.model, kSensorModels))};
+  }
+  if (sensor.model == SensorModel::class_conditional && sensor.z_short <= 0.0) {
+    return ConfigViolation{"sensor.z_short",
+                           "sensor.z_short must be above 0 with sensor.model class_conditional: it is the "
+                           "share of beams that something off the map stops"};
   }
   return std::nullopt;
 }

@@ -25,6 +25,7 @@ enum class Stream : std::uint32_t {
   simulated_beams = 11,
   slam_proposal = 12,
   stochastic_flow = 13,
+  simulated_clutter = 14,
 };
 
 struct Philox4x32 {

@@ -11,6 +11,7 @@
 #include "common/error.h"
 #include "common/eval/metrics.h"
 #include "common/filter/backend.h"
+#include "common/filter/config_fields.h"
 #include "common/filter/start.h"
 #include "common/map/map_reader.h"
 #include "common/math/sha256.h"
@@ -76,7 +77,14 @@ FilterConfig fixed_config(SensorModel model) {
               .z_rand = 0.1,
               .lambda_short = 0.5,
               .laser_likelihood_max_dist = 2.0,
-              .tempering = 0.05,
+              .effective_beams = 9.0,
+              .tempering = model == SensorModel::class_conditional ? 0.02 : 0.05,
+              .s5_epsilon = 1e-3,
+              .do_beamskip = model == SensorModel::likelihood_field_prob,
+              .beam_skip_distance = 0.5,
+              .beam_skip_threshold = 0.3,
+              .beam_skip_error_threshold = 0.9,
+              .beam_skip_spread = 0.25,
               .lookup = FieldLookup::bilinear,
               .caster = RayCaster::skip,
               .fixed_step_cells = 0.5,
@@ -137,6 +145,12 @@ const char* golden(SensorModel model) {
       return "577e08781401eff90b2881852d4319d75eede1bddc13101be5f75727554cdeda";
     case SensorModel::likelihood_field:
       return "f61980414f960832886b8f0ce13fad65a9719a63c46b840dc10d6bf4475d4bf8";
+    case SensorModel::s5:
+      return "7f7d52ed559f643d8fcb46bfa5f8e99b0d7f301c12f7f12d2ee6e680386052fb";
+    case SensorModel::class_conditional:
+      return "b4398484648672f01bb0022c6130d46d07cace3a39e5e87aef691b7b41f1a765";
+    case SensorModel::likelihood_field_prob:
+      return "3d081222fa9d6a990e0f978fbd057998ac94ea03c352a37d025d09b48caffc02";
   }
   return "";
 }
@@ -148,11 +162,12 @@ TEST_P(Digest, OfARealLogIsPinned) {
     EXPECT_EQ(result.digest, golden(GetParam())) << "with " << cpu::simd_name(set);
     EXPECT_EQ(result.scans, kCorridorScans);
     // The digest is worth pinning only if the run resampled, in not every step but with the Gaussian, for
-    // which one beam past a corner decides, and kept track.
+    // which (and for s5) one beam past a corner decides, and kept track.
     std::size_t resampled = 0;
     for (const StepRecord& step : result.steps) resampled += step.resampled ? 1 : 0;
+    const bool has_no_floor = GetParam() == SensorModel::gaussian || GetParam() == SensorModel::s5;
     EXPECT_GT(resampled, 5u);
-    EXPECT_LT(resampled, kCorridorScans + (GetParam() == SensorModel::gaussian ? 1 : 0));
+    EXPECT_LT(resampled, kCorridorScans + (has_no_floor ? 1 : 0));
     EXPECT_EQ(result.lost_steps, 0u);
     const TrackErrors errors =
         compare_tracks(result.trajectory, read_tum(kMaps + "logs/malaga_corridor.tum"));
@@ -285,12 +300,13 @@ TEST_P(Digest, OfAGpuIsTheSame) {
 }
 
 INSTANTIATE_TEST_SUITE_P(All, Digest,
-                         testing::Values(SensorModel::gaussian, SensorModel::beam,
-                                         SensorModel::likelihood_field),
+                         testing::Values(SensorModel::gaussian, SensorModel::s5, SensorModel::beam,
+                                         SensorModel::class_conditional, SensorModel::likelihood_field,
+                                         SensorModel::likelihood_field_prob),
                          [](const auto& one) {
-                           return std::string(one.param == SensorModel::gaussian ? "gaussian"
-                                              : one.param == SensorModel::beam   ? "beam"
-                                                                                 : "likelihood_field");
+                           for (const auto& choice : kSensorModels)
+                             if (choice.value == one.param) return std::string(choice.name);
+                           return std::string();
                          });
 
 }  // namespace

@@ -79,7 +79,8 @@ TEST(Config, EachMistakeHasOneClearLine) {
       {"particles: 99999999999999999999\n",
        "c.yaml:1: particles must be 1 to 16777216, got 99999999999999999999"},
       {"seed: -1\n", "c.yaml:1: seed must be 0 to 18446744073709551615, got -1"},
-      {"sensor:\n  tempering: 0\n", "c.yaml:2: sensor.tempering must be above 0 and at most 1, got 0"},
+      {"sensor:\n  effective_beams: 0\n",
+       "c.yaml:2: sensor.effective_beams must be above 0 and at most 4096, got 0"},
       {"motion:\n  form: seed\n  alpha3: -0.1\n", "c.yaml:3: motion.alpha3 must be 0 to 100, got -0.1"},
       {"scan:\n  laser_max_range: 1e999\n",
        "c.yaml:2: scan.laser_max_range must be above 0 and at most 1000, got 1e999"},
@@ -144,7 +145,7 @@ TEST(Config, EachModelBringsItsOwnDefaults) {
     const SensorConfig expected = default_sensor(model.value);
     EXPECT_EQ(c.sensor.model, model.value);
     EXPECT_EQ(c.sensor.sigma_hit, expected.sigma_hit) << model.name;
-    EXPECT_EQ(c.sensor.tempering, expected.tempering) << model.name;
+    EXPECT_EQ(c.sensor.effective_beams, expected.effective_beams) << model.name;
     EXPECT_EQ(c.sensor.z_max, expected.z_max) << model.name;
   }
   const FilterConfig c = config_from_text("sensor:\n  tempering: 0.7\n  model: beam\n", "c.yaml");
