@@ -10,6 +10,7 @@
 #include "common/filter/judge.h"
 #include "common/map/blocking_cells.h"
 #include "common/map/skip_field.h"
+#include "common/map/wall_index.h"
 #include "cpu/distance_field.h"
 #include "cpu/likelihood_field.h"
 #include "cpu/stages.h"
@@ -62,9 +63,13 @@ class CpuBackend final : public Backend {
       squared_distance_ =
           cpu::squared_distance_field(occupied.data(), map.width, map.height, workers_.threads);
     } else {
-      const std::vector<std::uint8_t> blocks = blocking_cells(map, config_.sensor.unknown_blocks);
+      walls_ = map.walls.empty() ? WallIndex{} : index_walls(map);
+      const std::vector<std::uint8_t> blocks =
+          map.walls.empty() ? blocking_cells(map, config_.sensor.unknown_blocks) : std::move(walls_.blocks);
       skip_ = skip_field(blocks.data(), map.width, map.height, kMostSkipBytes);
     }
+    map_.walls.clear();
+    map_.walls.shrink_to_fit();
     map_.cells.clear();
     map_.cells.shrink_to_fit();
   }
@@ -135,7 +140,8 @@ class CpuBackend final : public Backend {
 
  private:
   RayTraceArgs ray_args(const BeamTable& beams) {
-    const RayMap map = bind_ray_map(skip_.lines.empty() ? nullptr : skip_.lines.data(), skip_.plane, map_);
+    const RayMap map =
+        bind_ray_map(skip_.lines.empty() ? nullptr : skip_.lines.data(), skip_.plane, map_, walls_.view());
     return bind_rays(view(now_), map, bind_beams(beams), config_.sensor);
   }
   /// Log-weights stay in their slots, so that one array serves both buffers of poses.
@@ -153,6 +159,7 @@ class CpuBackend final : public Backend {
   cpu::Workers workers_;
   GridMap map_;  // without its cells
   SkipField skip_;
+  WallIndex walls_;
   std::vector<std::uint32_t> squared_distance_;
   std::vector<float> field_;
   BeamTable beams_, scattered_;

@@ -45,7 +45,7 @@ void vote_on_classes(const WeightArgs& a, Workers& workers) {
       const std::size_t i = voter_slot(a, k);
       const float* expected_m = r.expected_m != nullptr ? r.expected_m + i * b.count : row;
       if (expected_m == row) {
-        on.count = 0;
+        on.on.count = 0;
         const RayOrigin origin = ray_origin(r, i);
         trace_first(r, origin, 0, b.hits, row, on);
         trace_rest(r, origin, row, on);

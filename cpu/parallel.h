@@ -71,21 +71,6 @@ void parallel_blocks(std::size_t count, int threads, std::size_t grain, const Lo
   }
 }
 
-/// loop(begin, end) over [0, count) in pieces of `grain` that threads take as they get free: for work whose
-/// cost differs from particle to particle.
-template <class Loop>
-void parallel_shared(std::size_t count, int threads, std::size_t grain, const Loop& loop) {
-  if (threads <= 1 || count <= grain) return parallel_blocks(count, 1, 1, loop);
-  const std::int64_t pieces = static_cast<std::int64_t>((count + grain - 1) / grain);
-#pragma omp parallel for num_threads(threads) schedule(dynamic, 1)
-  for (std::int64_t piece = 0; piece < pieces; ++piece) {
-    const StrictFloat strict;
-    const std::size_t begin = static_cast<std::size_t>(piece) * grain;
-    const std::size_t end = begin + grain < count ? begin + grain : count;
-    run_simd([&]() PARLOC_SIMD_LOOP { loop(begin, end); });
-  }
-}
-
 template <class Loop>
 void parallel_for(std::size_t count, int threads, const Loop& loop) {
   parallel_blocks(count, count < kSmallLoop ? 1 : threads, 64, loop);

@@ -3,6 +3,7 @@
 #include "cpu/ray_trace.h"
 
 #include <algorithm>
+#include <cstring>
 
 #include "cpu/stages.h"
 
@@ -47,7 +48,7 @@ struct Rays {
   VF start, other_start;    // [cells]
   VF inv, other_inv;        // 1 / direction
   VF sign, other_sign;      // +1 or -1
-  VF other_d;               // direction
+  VF d, other_d;            // direction
   VF other_behind;          // other_start, a little behind: where the floor is taken
   VF other_ahead;           // 1 or 0: from a cell to the line that the ray crosses next
   VI stride, other_stride;  // of the table [bytes]
@@ -88,15 +89,15 @@ HWY_INLINE Rays start_rays(const RayMap& map, const RayOrigin& o, const Start& s
   const VF dy = nonzero(hn::MulAdd(sin, bx, hn::Mul(cos, by)));
   Rays r;
   r.steep = hn::Gt(hn::Abs(dy), hn::Abs(dx));
-  const VF d = hn::IfThenElse(r.steep, dy, dx);
+  r.d = hn::IfThenElse(r.steep, dy, dx);
   r.other_d = hn::IfThenElse(r.steep, dx, dy);
-  r.inv = hn::Div(one, d);
+  r.inv = hn::Div(one, r.d);
   r.other_inv = hn::Div(one, r.other_d);
   // sector_of; a slope on the edge of two sectors may fall in either: both are right for it
   const VF slope = hn::Abs(hn::Mul(r.other_d, r.inv));
   const VF part =
       hn::Min(hn::Floor(hn::Mul(slope, hn::Set(f32, float{kSlopes}))), hn::Set(f32, float{kSlopes - 1}));
-  const MF left = hn::Lt(d, zero), other_left = hn::Lt(r.other_d, zero);
+  const MF left = hn::Lt(r.d, zero), other_left = hn::Lt(r.other_d, zero);
   const VF octant = hn::Add(hn::IfThenElseZero(hn::Lt(dx, zero), hn::Set(f32, float{kSlopes})),
                             hn::Add(hn::IfThenElseZero(hn::Lt(dy, zero), hn::Set(f32, 2.0f * kSlopes)),
                                     hn::IfThenElseZero(r.steep, hn::Set(f32, 4.0f * kSlopes))));
@@ -169,12 +170,12 @@ HWY_INLINE VF range_of(const RayMap& map, const Rays& r, VF reach, VF range_max)
 constexpr int kLeapsPerPass = 3;
 constexpr int kInFlight = 4;  // vectors whose look-ups overlap
 
-HWY_INLINE void keep(const Rays& r, VI beams, Travellers& on) {
+HWY_INLINE void keep(const Rays& r, MF which, VI beams, Queue& queue) {
   // Not CompressStore: compressing into memory is microcoded on some CPUs.
-  hn::StoreU(hn::Compress(r.line, r.alive), f32, on.line + on.count);
-  hn::StoreU(hn::Compress(r.other_cell, r.alive), f32, on.other_cell + on.count);
-  hn::StoreU(hn::Compress(beams, hn::RebindMask(i32, r.alive)), i32, on.beam + on.count);
-  on.count += hn::CountTrue(f32, r.alive);
+  hn::StoreU(hn::Compress(r.line, which), f32, queue.line + queue.count);
+  hn::StoreU(hn::Compress(r.other_cell, which), f32, queue.other_cell + queue.count);
+  hn::StoreU(hn::Compress(beams, hn::RebindMask(i32, which)), i32, queue.beam + queue.count);
+  queue.count += hn::CountTrue(f32, which);
 }
 
 /// The rays of one particle: a few leaps for all of them, then those that go on side by side for a few more,
@@ -185,17 +186,21 @@ class Tracer {
       : a_(a),
         o_(o),
         expected_m_(expected_m),
-        on_(on),
+        on_(on.on),
+        arrived_(on.arrived),
+        look_(on.look),
         reach_cells_(a.beams.range_max_m * a.map.inv_resolution) {}
 
   void first_leaps(std::size_t first, std::size_t last) {
     in_groups(first, last, [&](auto group, std::size_t at) { leap_first<decltype(group)::value>(at, last); });
+    if (arrived_.count > 0) look_at_walls();
   }
   void rest() {
     while (on_.count > 0) {
       const std::size_t count = on_.count;
       on_.count = 0;
       in_groups(0, count, [&](auto group, std::size_t at) { leap_on<decltype(group)::value>(at, count); });
+      if (arrived_.count > 0) look_at_walls();
     }
   }
 
@@ -245,6 +250,14 @@ class Tracer {
     return hn::IfThenElse(r.alive, hn::Set(f32, kUnfinished_m), range);
   }
 
+  /// Where a map's walls are segments, a ray that was stopped has yet to look for them.
+  HWY_INLINE VF range_or_look(const Rays& r, VI beams) {
+    if (a_.map.walls.count == 0) return range(r);
+    keep(r, r.hit, beams, arrived_);
+    const VF none = hn::Set(f32, a_.beams.range_max_m);
+    return hn::IfThenElse(hn::Or(r.alive, r.hit), hn::Set(f32, kUnfinished_m), none);
+  }
+
   template <int kVectors>
   HWY_INLINE void leap_first(std::size_t first, std::size_t last) {
     const std::size_t lanes = hn::Lanes(f32);
@@ -259,8 +272,9 @@ class Tracer {
     leap_all(r);
     for (int f = 0; f < kVectors; ++f) {
       const std::size_t at = first + static_cast<std::size_t>(f) * lanes;
-      hn::StoreU(range(r[f]), f32, expected_m_ + at);
-      keep(r[f], hn::Iota(i32, static_cast<std::int32_t>(at)), on_);
+      const VI beams = hn::Iota(i32, static_cast<std::int32_t>(at));
+      hn::StoreU(range_or_look(r[f], beams), f32, expected_m_ + at);
+      keep(r[f], r[f].alive, beams, on_);
     }
   }
 
@@ -269,30 +283,150 @@ class Tracer {
     const std::size_t lanes = hn::Lanes(f32);
     Rays r[kVectors];
     VI beams[kVectors];
-    for (int f = 0; f < kVectors; ++f) {
-      const std::size_t at = first + static_cast<std::size_t>(f) * lanes;
-      const MF used = hn::FirstN(f32, count - at);
-      const auto used_i = hn::RebindMask(i32, used);
-      const VI beam = hn::IfThenElseZero(used_i, hn::Load(i32, on_.beam + at));
-      const auto of = [&](const float* p) { return hn::GatherIndex(f32, p, beam); };
-      r[f] = start_rays(a_.map, o_, start(of), of(a_.beams.direction_x), of(a_.beams.direction_y));
-      r[f].alive = used;
-      r[f].line = hn::IfThenElse(used, hn::Load(f32, on_.line + at), r[f].line);
-      r[f].other_cell = hn::IfThenElse(used, hn::Load(f32, on_.other_cell + at), r[f].other_cell);
-      // Unused lanes write behind the last range.
-      beams[f] = hn::IfThenElse(used_i, beam, hn::Set(i32, static_cast<std::int32_t>(a_.beams.count)));
-    }
+    for (int f = 0; f < kVectors; ++f)
+      r[f] = resumed(on_, first + static_cast<std::size_t>(f) * lanes, count, beams[f]);
     leap_all(r);
     for (int f = 0; f < kVectors; ++f) {
-      hn::ScatterIndex(range(r[f]), f32, expected_m_, beams[f]);
-      keep(r[f], beams[f], on_);
+      hn::ScatterIndex(range_or_look(r[f], beams[f]), f32, expected_m_, beams[f]);
+      keep(r[f], r[f].alive, beams[f], on_);
     }
+  }
+
+  /// Rays [at, count) of the queue, as many as there are lanes. Unused lanes are not alive; they write behind
+  /// the last range.
+  HWY_INLINE Rays resumed(const Queue& queue, std::size_t at, std::size_t count, VI& beams) const {
+    const MF used = hn::FirstN(f32, count - at);
+    const auto used_i = hn::RebindMask(i32, used);
+    const VI beam = hn::IfThenElseZero(used_i, hn::Load(i32, queue.beam + at));
+    const auto of = [&](const float* p) { return hn::GatherIndex(f32, p, beam); };
+    Rays r = start_rays(a_.map, o_, start(of), of(a_.beams.direction_x), of(a_.beams.direction_y));
+    r.alive = used;
+    r.line = hn::IfThenElse(used, hn::Load(f32, queue.line + at), r.line);
+    r.other_cell = hn::IfThenElse(used, hn::Load(f32, queue.other_cell + at), r.other_cell);
+    beams = hn::IfThenElse(used_i, beam, hn::Set(i32, static_cast<std::int32_t>(a_.beams.count)));
+    return r;
+  }
+
+  /// The part of cast_walls between leaps, look_in_cell for all rays that have come to a cell with walls:
+  /// finds the nearest of them. A ray that leaves the cell before it goes on from the next one.
+  void look_at_walls() {
+    const std::size_t lanes = hn::Lanes(f32), count = arrived_.count;
+    for (std::size_t at = 0; at < count; at += lanes) prepare(at, count);
+    find_nearest(count);
+    for (std::size_t at = 0; at < count; at += lanes) settle(at, count);
+    arrived_.count = 0;
+  }
+
+  /// Where rays are, when they leave their cell, and where they are then.
+  HWY_INLINE void prepare(std::size_t at, std::size_t count) {
+    VI beams;
+    const Rays r = resumed(arrived_, at, count, beams);
+    const VF far = hn::IfThenElseZero(hn::Lt(r.sign, hn::Zero(f32)), hn::Set(f32, 1.0f));
+    const VF cell = hn::Sub(r.line, far);
+    const VF i = hn::IfThenElse(r.steep, r.other_cell, cell), j = hn::IfThenElse(r.steep, cell, r.other_cell);
+    const VF next = hn::Mul(hn::Sub(hn::Add(r.line, r.sign), r.start), r.inv);
+    const VF other_next = hn::Mul(hn::Sub(hn::Add(r.other_cell, r.other_ahead), r.other_start), r.other_inv);
+    // As cast_dda: a tie goes along y first.
+    const MF onward = hn::Or(hn::Lt(next, other_next), hn::And(r.steep, hn::Eq(next, other_next)));
+    const VI index =
+        hn::Add(hn::Mul(hn::ConvertTo(i32, j), hn::Set(i32, a_.map.width)), hn::ConvertTo(i32, i));
+    const auto looks = hn::RebindMask(i32, hn::And(r.alive, within_grid(i, j)));
+    hn::StoreU(hn::IfThenElse(looks, index, hn::Set(i32, -1)), i32, look_.cell + at);
+    hn::StoreU(hn::IfThenElse(onward, next, other_next), f32, look_.leaves + at);
+    hn::StoreU(hn::IfThenElse(onward, hn::Add(r.line, r.sign), r.line), f32, look_.line + at);
+    hn::StoreU(hn::IfThenElse(onward, r.other_cell, hn::Add(r.other_cell, r.other_sign)), f32,
+               look_.other_cell + at);
+    hn::StoreInterleaved4(hn::IfThenElse(r.steep, r.other_start, r.start),
+                          hn::IfThenElse(r.steep, r.start, r.other_start),
+                          hn::IfThenElse(r.steep, r.other_d, r.d), hn::IfThenElse(r.steep, r.d, r.other_d),
+                          f32, look_.ray + 4 * at);
+  }
+
+  /// The nearest wall in each ray's cell. Rays and walls are put side by side in pairs, so that no lane waits
+  /// for a fuller cell.
+  void find_nearest(std::size_t count) {
+    const Walls& walls = a_.map.walls;
+    std::size_t pairs = 0;
+    for (std::size_t k = 0; k < count; ++k) {
+      look_.nearest[k] = kNoWall;
+      const std::int32_t cell = look_.cell[k];
+      if (cell < 0) continue;
+      for (std::uint32_t w = walls.first[cell]; w < walls.first[cell + 1]; ++w) {
+        std::memcpy(look_.pair_ray + 4 * pairs, look_.ray + 4 * k, 4 * sizeof(float));
+        std::memcpy(look_.pair_wall + 4 * pairs, walls.wall + walls.id[w], sizeof(Wall));
+        look_.pair_owner[pairs] = static_cast<std::uint32_t>(k);
+        if (++pairs == kPairs) hit_pairs(pairs), pairs = 0;
+      }
+    }
+    hit_pairs(pairs);
+  }
+
+  HWY_INLINE void hit_pairs(std::size_t pairs) {
+    for (std::size_t p = 0; p < pairs; p += hn::Lanes(f32))
+      hn::StoreU(hit_walls(look_.pair_ray + 4 * p, look_.pair_wall + 4 * p), f32, look_.pair_t + p);
+    for (std::size_t p = 0; p < pairs; ++p) {
+      float& nearest = look_.nearest[look_.pair_owner[p]];
+      nearest = look_.pair_t[p] < nearest ? look_.pair_t[p] : nearest;
+    }
+  }
+
+  /// wall_hit in every lane.
+  HWY_INLINE VF hit_walls(const float* rays, const float* walls) const {
+    VF u, v, dx, dy, ax, ay, ex, ey;
+    hn::LoadInterleaved4(f32, rays, u, v, dx, dy);
+    hn::LoadInterleaved4(f32, walls, ax, ay, ex, ey);
+    const VF zero = hn::Zero(f32), one = hn::Set(f32, 1.0f), small = hn::Set(f32, kWallSlack);
+    const auto cross = [](VF px, VF py, VF qx, VF qy) {
+      return hn::MulAdd(px, qy, hn::Neg(hn::Mul(py, qx)));
+    };
+    const auto dot = [](VF px, VF py, VF qx, VF qy) { return hn::MulAdd(px, qx, hn::Mul(py, qy)); };
+    const VF x = hn::Sub(ax, u), y = hn::Sub(ay, v);
+    const VF slack = hn::Mul(small, hn::Max(hn::Max(hn::Abs(x), hn::Abs(y)), one));
+    const VF det = cross(dx, dy, ex, ey), off = cross(x, y, dx, dy);
+    const VF start = dot(x, y, dx, dy), extent = dot(ex, ey, dx, dy);
+    const VF size = hn::Abs(det);
+    const VF across = hn::IfThenElse(hn::Lt(det, zero), hn::Neg(off), off);
+    const MF passes = hn::And(hn::Ge(across, hn::Neg(slack)), hn::Le(across, hn::Add(size, slack)));
+    const VF share = hn::Min(hn::Max(hn::Div(off, det), zero), one);
+    const VF crossing = hn::MulAdd(share, extent, start);
+    const VF end = hn::Add(start, extent), low = hn::Min(start, end);
+    const MF within = hn::And(hn::Le(low, zero), hn::Ge(hn::Max(start, end), zero));
+    const VF along = hn::IfThenElse(within, zero, low);
+    const MF parallel = hn::Le(size, hn::Mul(small, hn::Add(hn::Abs(ex), hn::Abs(ey))));
+    const VF t = hn::IfThenElse(parallel, along, crossing);
+    return hn::IfThenElse(hn::And(passes, hn::Ge(t, zero)), t, hn::Set(f32, kNoWall));
+  }
+
+  HWY_INLINE void settle(std::size_t at, std::size_t count) {
+    const MF used = hn::FirstN(f32, count - at);
+    const auto used_i = hn::RebindMask(i32, used);
+    const VI beams = hn::IfThenElse(used_i, hn::Load(i32, arrived_.beam + at),
+                                    hn::Set(i32, static_cast<std::int32_t>(a_.beams.count)));
+    const VF nearest = hn::LoadU(f32, look_.nearest + at), leaves = hn::LoadU(f32, look_.leaves + at);
+    const VF reach = hn::Set(f32, reach_cells_), none = hn::Set(f32, a_.beams.range_max_m);
+    const MF looked = hn::RebindMask(f32, hn::Gt(hn::LoadU(i32, look_.cell + at), hn::Set(i32, -1)));
+    const MF found = hn::And(looked, hn::Le(nearest, leaves));
+    const MF on = hn::And(hn::AndNot(found, looked), hn::And(used, hn::Lt(leaves, reach)));
+    const VF range = hn::Min(hn::Mul(nearest, hn::Set(f32, a_.map.resolution_m)), none);
+    const VF known = hn::IfThenElse(hn::And(found, hn::Lt(nearest, reach)), range, none);
+    hn::ScatterIndex(hn::IfThenElse(on, hn::Set(f32, kUnfinished_m), known), f32, expected_m_, beams);
+    Rays next;
+    next.line = hn::LoadU(f32, look_.line + at);
+    next.other_cell = hn::LoadU(f32, look_.other_cell + at);
+    keep(next, on, beams, on_);
+  }
+
+  HWY_INLINE MF within_grid(VF i, VF j) const {
+    const VF zero = hn::Zero(f32), w = hn::Set(f32, static_cast<float>(a_.map.width)),
+             h = hn::Set(f32, static_cast<float>(a_.map.height));
+    return hn::And(hn::And(hn::Ge(i, zero), hn::Lt(i, w)), hn::And(hn::Ge(j, zero), hn::Lt(j, h)));
   }
 
   const RayTraceArgs& a_;
   const RayOrigin& o_;
   float* expected_m_;
-  Travellers& on_;
+  Queue &on_, &arrived_;
+  WallLook& look_;
   float reach_cells_;
 };
 
@@ -372,7 +506,7 @@ void trace_first(const RayTraceArgs& args, const RayOrigin& origin, std::size_t 
 }
 
 void trace_rest(const RayTraceArgs& args, const RayOrigin& origin, float* expected_m, Travellers& on) {
-  if (on.count > 0) HWY_DYNAMIC_DISPATCH(skip_rest)(args, origin, expected_m, on);
+  if (on.on.count > 0) HWY_DYNAMIC_DISPATCH(skip_rest)(args, origin, expected_m, on);
 }
 
 void ray_trace(const RayTraceArgs& args, Workers& workers) {
@@ -382,7 +516,7 @@ void ray_trace(const RayTraceArgs& args, Workers& workers) {
     Travellers on;
     for (std::size_t i = begin; i < end; ++i) {
       const RayOrigin origin = ray_origin(args, i);
-      on.count = 0;
+      on.on.count = 0;
       trace_first(args, origin, 0, beams, row, on);
       trace_rest(args, origin, row, on);
       std::copy(row, row + beams, args.expected_m + i * beams);

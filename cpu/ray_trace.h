@@ -15,12 +15,34 @@ constexpr std::size_t kRangeRoom = kMaxBeams + 64;
 /// Stands in a row for a range that is not known yet.
 constexpr float kUnfinished_m = -1.0f;
 
-/// Rays that are still on their way after their first leaps, side by side.
-struct Travellers {
+/// Rays side by side, each in some cell.
+struct Queue {
   alignas(64) std::int32_t beam[kRangeRoom];
   alignas(64) float line[kRangeRoom];
   alignas(64) float other_cell[kRangeRoom];
   std::size_t count = 0;
+};
+
+/// Pairs of a ray and a wall that are tried at a time.
+constexpr std::size_t kPairs = 256;
+
+/// What is known of rays that look at the walls of their cell, by place in the queue, and the pairs to be
+/// tried.
+struct WallLook {
+  std::int32_t cell[kRangeRoom];                   // -1: outside the grid
+  float leaves[kRangeRoom];                        // where the ray leaves the cell
+  float line[kRangeRoom], other_cell[kRangeRoom];  // where it is then
+  float ray[4 * kRangeRoom];                       // u, v, dx, dy
+  float nearest[kRangeRoom];
+  float pair_ray[4 * kPairs], pair_wall[4 * kPairs], pair_t[kPairs];
+  std::uint32_t pair_owner[kPairs];
+};
+
+/// Rays that are still on their way after their first leaps, and those of them that have come to a cell with
+/// walls to look at.
+struct Travellers {
+  Queue on, arrived;
+  WallLook look;
 };
 
 /// The first leaps of beams [first, last): writes expected_m[first] to expected_m[last - 1], kUnfinished_m

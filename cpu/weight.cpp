@@ -92,10 +92,10 @@ MostOfRest most_of_rest(const Model& model, const Beams& b) {
 /// Ranges of one particle into `row`, as long as it may win; false if it cannot any more.
 template <class Model>
 bool trace_while_open(const WeightArgs& a, const Model& model, const Beams& beams, std::size_t i,
-                      const MostOfRest& rest, const Contest& contest, float* row, Travellers& on) {
+                      const RayOrigin& origin, const MostOfRest& rest, const Contest& contest, float* row,
+                      Travellers& on) {
   const float before = a.rays.particles.log_weight[i];
-  const RayOrigin origin = ray_origin(a.rays, i);
-  on.count = 0;
+  on.on.count = 0;
   if (a.rays.caster != RayCaster::skip) {  // references, there to be compared with: they trace every beam
     trace_first(a.rays, origin, 0, beams.count, row, on);
     return true;
@@ -115,6 +115,8 @@ bool trace_while_open(const WeightArgs& a, const Model& model, const Beams& beam
   return true;
 }
 
+constexpr std::size_t kOrigins = 64;  // particles made ready for their rays at a time
+
 template <class Model>
 void weight_by_rays(const WeightArgs& a, const Model& model, Workers& workers) {
   const RayTraceArgs& r = a.rays;
@@ -126,8 +128,12 @@ void weight_by_rays(const WeightArgs& a, const Model& model, Workers& workers) {
   const auto loop = [&](std::size_t begin, std::size_t end) PARLOC_SIMD_LOOP {
     alignas(64) float row[kRangeRoom];
     Travellers on;
+    RayOrigin origins[kOrigins];
     for (std::size_t i = begin; i < end; ++i) {
-      if (stored_m == nullptr && !trace_while_open(a, model, beams, i, rest, contest, row, on)) {
+      const std::size_t k = (i - begin) % kOrigins;
+      if (k == 0)
+        for (std::size_t n = 0; n < kOrigins && i + n < end; ++n) origins[n] = ray_origin(r, i + n);
+      if (stored_m == nullptr && !trace_while_open(a, model, beams, i, origins[k], rest, contest, row, on)) {
         log_weight[i] = kNoWeight;
         continue;
       }
@@ -137,7 +143,7 @@ void weight_by_rays(const WeightArgs& a, const Model& model, Workers& workers) {
       contest.enter(log_weight[i]);
     }
   };
-  parallel_shared(r.particles.count, workers.threads, 256, loop);
+  parallel_blocks(r.particles.count, workers.threads, 1, loop);
 }
 
 template <bool kBilinear, bool kJudged>

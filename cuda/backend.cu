@@ -8,6 +8,7 @@
 #include "common/filter/judge.h"
 #include "common/map/blocking_cells.h"
 #include "common/map/skip_field.h"
+#include "common/map/wall_index.h"
 #include "cuda/distance_field.h"
 #include "cuda/likelihood_field.h"
 #include "cuda/stages.h"
@@ -93,11 +94,21 @@ class CudaBackend final : public Backend {
       occupied.from_host(blocks, stream_);
       squared_distance_.reserve(map.size());
       squared_distance_field(occupied.data(), map.width, map.height, squared_distance_.data(), stream_);
+    } else if (!map.walls.empty()) {
+      const WallIndex index = index_walls(map);
+      skip_.from_host(skip_field(index.blocks.data(), map.width, map.height, 0).lines, stream_);
+      walls_.from_host(index.walls, stream_);
+      wall_ids_.from_host(index.ids, stream_);
+      wall_first_.from_host(index.first, stream_);
+      synchronise(stream_);
     } else {
       // One plane: a map of usual size then fits the first-level cache of a multiprocessor.
       skip_.from_host(skip_field(blocks.data(), map.width, map.height, 0).lines, stream_);
       synchronise(stream_);
     }
+    wall_count_ = static_cast<std::uint32_t>(map.walls.size());
+    map_.walls.clear();
+    map_.walls.shrink_to_fit();
     map_.cells.clear();
     map_.cells.shrink_to_fit();
   }
@@ -245,7 +256,8 @@ class CudaBackend final : public Backend {
     PARLOC_CUDA_NAMESPACE::ray_trace(args, input_.device(), stream_);
   }
   RayTraceArgs ray_args() {
-    return bind_rays(view(*now_), bind_ray_map(skip_.data(), 0, map_), input_.beams(), config_.sensor);
+    const Walls walls{walls_.data(), wall_ids_.data(), wall_first_.data(), wall_count_};
+    return bind_rays(view(*now_), bind_ray_map(skip_.data(), 0, map_, walls), input_.beams(), config_.sensor);
   }
   ResampleArgs resample_args() const {
     return {view(*now_),   view(*other_),    weights_view(),        config_.resample.scheme, {},
@@ -267,6 +279,9 @@ class CudaBackend final : public Backend {
   GridMap map_;  // without its cells
   DeviceBuffer<std::uint32_t> squared_distance_;
   DeviceBuffer<std::uint8_t> skip_;
+  DeviceBuffer<Wall> walls_;
+  DeviceBuffer<std::uint32_t> wall_ids_, wall_first_;
+  std::uint32_t wall_count_ = 0;
   DeviceBuffer<float> field_;
   StepInputBuffer input_;
   DeviceBuffer<std::uint64_t> votes_;  // zero between the steps

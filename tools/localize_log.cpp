@@ -5,10 +5,13 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
+#include <deque>
 #include <limits>
 #include <utility>
 
 #include "common/error.h"
+#include "common/filter/config_fields.h"
+#include "common/model/lidar.h"
 #include "tools/snapshots.h"
 
 namespace parloc::tools {
@@ -42,7 +45,7 @@ class StrictCheck {
   /// After each step.
   void check_step(const ParticleFilter& filter, std::size_t line) const {
     if (!strict_) return;
-    const BeamCounts& beams = filter.beam_counts();
+    const BeamCounts beams = filter.beam_counts();
     const std::pair<const char*, std::size_t> counts[] = {{"NaN", beams.nan},
                                                           {"infinite", beams.infinite},
                                                           {"negative", beams.negative},
@@ -59,20 +62,66 @@ class StrictCheck {
     }
   }
 
+  /// At the end of the log.
+  void check_lidars(const ParticleFilter& filter) const {
+    if (!strict_) return;
+    const std::string unused = unused_lidars(filter.config(), filter.lidars_used());
+    if (!unused.empty()) throw input_error(log_name_, 0, unused + " (--strict)");
+  }
+
  private:
   bool strict_;
   const std::string& log_name_;
 };
 
-/// The next scan of the log; odometry between scans is not needed, since each scan has its own.
-bool next_scan(LogReader& log, LogRecord& record, StrictCheck& strict) {
-  while (log.next(record)) {
-    strict.check_log(log.warnings(), record.line);
-    if (record.kind == RecordKind::scan) return true;
+/// The scans of a log in file order. Reads ahead of a scan as far as its last beam's time, so that the filter
+/// knows the odometry there.
+class ScanStream {
+ public:
+  ScanStream(LogReader& log, const FilterConfig& config, StrictCheck& strict)
+      : log_(log), config_(config), strict_(strict) {}
+
+  /// False at the end of the log.
+  bool next(LogRecord& scan) {
+    while (waiting_.empty())
+      if (!read_record()) return false;
+    scan = std::move(waiting_.front());
+    waiting_.pop_front();
+    const LidarSetup setup =
+        lidar_setup(scan.scan, config_.scan, find_lidar(config_.lidars, scan.scan.sensor));
+    const double until_s = scan.stamp_s + latest_beam_s(scan.scan, setup);
+    // Stamps may run backwards: not for ever.
+    constexpr int farthest = 1000;
+    for (int k = 0; k < farthest && until_s > scan.stamp_s && newest_s_ < until_s; ++k)
+      if (!read_record()) break;
+    return true;
   }
-  strict.check_log(log.warnings(), 0);
-  return false;
-}
+
+  /// Gives the filter the odometry that was read since the last call.
+  void pass_odometry(ParticleFilter& filter) {
+    for (const StampedPose& reading : odometry_) filter.add_odometry(reading.stamp_s, reading.pose);
+    odometry_.clear();
+  }
+
+ private:
+  bool read_record() {
+    LogRecord record;
+    const bool there = log_.next(record);
+    strict_.check_log(log_.warnings(), there ? record.line : 0);
+    if (!there) return false;
+    newest_s_ = record.stamp_s;
+    odometry_.push_back({record.stamp_s, record.odometry});
+    if (record.kind == RecordKind::scan) waiting_.push_back(std::move(record));
+    return true;
+  }
+
+  LogReader& log_;
+  const FilterConfig& config_;
+  StrictCheck& strict_;
+  std::deque<LogRecord> waiting_;
+  Trajectory odometry_;
+  double newest_s_ = -std::numeric_limits<double>::infinity();
+};
 
 StartPose start_of(const LocalizeRequest& request, double first_stamp_s) {
   if (request.start) return *request.start;
@@ -118,8 +167,9 @@ class Run {
     begun_ = Clock::now();
   }
 
-  void step(const LogRecord& record) {
+  void step(const LogRecord& record, ScanStream& scans) {
     const Clock::time_point begun = Clock::now();
+    scans.pass_odometry(filter_);
     last_scan_ = record.scan;
     if (result_.odometry_only) last_scan_.ranges_m.clear();  // a scan without beams moves the particles only
     const Estimate estimate = filter_.step(record.odometry, last_scan_);
@@ -147,6 +197,7 @@ class Run {
     result_.filter_steps = filter_.steps();
     result_.odometry_jumps = filter_.odometry_jumps();
     result_.beams = filter_.beam_counts();
+    result_.lidars = filter_.lidars_used();
     result_.warnings = warnings;
     result_.config = filter_.config();
     result_.backend = filter_.backend_name();
@@ -169,20 +220,36 @@ class Run {
 
 Localization localize_log(const GridMap& map, LogReader& log, const LocalizeRequest& request) {
   StrictCheck strict(request.strict, request.log_name);
+  ScanStream scans(log, request.config, strict);
   LogRecord record;
-  if (!next_scan(log, record, strict)) throw no_scan(request, log.warnings());
+  if (!scans.next(record)) throw no_scan(request, log.warnings());
 
   Run run(map, request, record);
   bool more = true;
   while (more && !(request.stop && request.stop())) {
-    run.step(record);
+    run.step(record, scans);
     strict.check_step(run.filter(), record.line);
     if (request.progress) request.progress(log.progress(), run.scans());
-    more = next_scan(log, record, strict);
+    more = scans.next(record);
   }
+  if (!more) strict.check_lidars(run.filter());
   Localization result = run.finish(log.warnings());
   result.interrupted = more;
   return result;
+}
+
+std::string unused_lidars(const FilterConfig& config, const std::vector<LidarUse>& used) {
+  std::string without, with;
+  const auto append = [](std::string& list, const std::string& name) {
+    list += (list.empty() ? "" : ", ") + name;
+  };
+  for (const LidarUse& lidar : used) append(with, lidar.name);
+  for (const LidarConfig& lidar : config.lidars) {
+    const auto same = [&](const LidarUse& use) { return use.name == lidar.name; };
+    if (std::none_of(used.begin(), used.end(), same)) append(without, lidar_group(lidar));
+  }
+  if (without.empty()) return "";
+  return fmt::format("{} in the configuration, but the log has scans of {} only", without, with);
 }
 
 StepTimes step_times(const std::vector<StepRecord>& steps) {

@@ -40,7 +40,8 @@ struct Localization {
   std::size_t filter_steps = 0;
   std::size_t lost_steps = 0;  ///< Every particle had weight zero.
   std::size_t odometry_jumps = 0;
-  BeamCounts beams;
+  BeamCounts beams;              ///< Of all LiDARs.
+  std::vector<LidarUse> lidars;  ///< Of each, in the order in which they came.
   LogWarnings warnings;
   FilterConfig config;
   std::string backend;
@@ -58,6 +59,9 @@ struct Localization {
 /// without a scan, a start that is not finite or not on the map, no start at all, and with `strict` at the
 /// first warning; Error{config} and Error{backend} as ParticleFilter.
 Localization localize_log(const GridMap& map, LogReader& log, const LocalizeRequest& request);
+
+/// One line on the LiDARs that are configured but that the log does not have; empty if there are none.
+std::string unused_lidars(const FilterConfig& config, const std::vector<LidarUse>& used);
 
 /// Median and p99 of the steps' wall times but the first, which pays for warming up; NaN without a second
 /// step.

@@ -13,6 +13,7 @@
 
 #include "common/error.h"
 #include "tools/commands.h"
+#include "tools/openmp_wait.h"
 
 namespace parloc::tools {
 namespace {
@@ -79,6 +80,7 @@ int run_program(int argc, char** argv) {
 int main(int argc, char** argv) {
   using parloc::ErrorKind;
   using parloc::tools::complain;
+  parloc::tools::wait_briefly(argv);
   try {
     const int code = parloc::tools::run_program(argc, argv);
     if (std::fflush(stdout) != 0 || std::ferror(stdout) != 0) {

@@ -1,4 +1,4 @@
-// Whole numbers of the command line: decimal, the whole word, no silent wrap-around.
+// Numbers of the command line: decimal, the whole word, no silent wrap-around.
 #pragma once
 
 #include <fmt/format.h>
@@ -21,6 +21,17 @@ Integer parse_whole_number(const char* option, const std::string& text) {
     throw Error(ErrorKind::usage,
                 fmt::format("{}: expected a whole number from {} to {}, got '{}'", option,
                             std::numeric_limits<Integer>::min(), std::numeric_limits<Integer>::max(), text));
+  }
+  return value;
+}
+
+/// A number from `low` to `high`. Throws Error{usage} naming `option`.
+inline double parse_number(const char* option, const std::string& text, double low, double high) {
+  double value = 0.0;
+  const auto [end, status] = std::from_chars(text.data(), text.data() + text.size(), value);
+  if (status != std::errc() || end != text.data() + text.size() || !(value >= low && value <= high)) {
+    throw Error(ErrorKind::usage,
+                fmt::format("{}: expected a number from {:g} to {:g}, got '{}'", option, low, high, text));
   }
   return value;
 }

@@ -2,9 +2,12 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
 #include <nlohmann/json.hpp>
 #include <numbers>
+#include <optional>
+#include <string>
 #include <utility>
 #include <vector>
 
@@ -26,6 +29,10 @@ struct ConfigJson {
     place(field) = value;
   }
   void operator()(const Field& field, bool value) { place(field) = value; }
+  template <class Value, class Allowed>
+  void operator()(const Field& field, const std::optional<Value>& value, const Allowed& allowed) {
+    if (value) (*this)(field, *value, allowed);
+  }
   template <class Enum, std::size_t n>
   void operator()(const Field& field, Enum value, const std::array<Choice<Enum>, n>& choices) {
     for (const auto& choice : choices) {
@@ -40,6 +47,11 @@ struct ConfigJson {
 Json config_json(const FilterConfig& config) {
   ConfigJson visitor;
   visit_fields(config, visitor);
+  for (const LidarConfig& lidar : config.lidars) {
+    ConfigJson entry;
+    visit_lidar_fields(lidar, "", entry);
+    visitor.json[kLidars.name][lidar.name] = std::move(entry.json);
+  }
   return std::move(visitor.json);
 }
 
@@ -106,6 +118,22 @@ std::vector<std::pair<const char*, std::size_t>> rejected(const BeamCounts& beam
           {"below_min", beams.below_min}};
 }
 
+Json lidar_json(const LidarUse& lidar) {
+  Json json{{"name", lidar.name},
+            {"scans", lidar.scans},
+            {"scans_with_too_few_beams", lidar.too_few},
+            {"scans_deskewed", lidar.moving - lidar.unknown_motion},
+            {"scans_of_unknown_motion", lidar.unknown_motion},
+            {"max_beams", lidar.max_beams},
+            {"beams_per_scan", {lidar.smallest, lidar.largest}},
+            {"beams_total", lidar.beams.total},
+            {"beams_considered", lidar.beams.considered},
+            {"beams_used", lidar.beams.used},
+            {"beams_without_return", lidar.beams.misses}};
+  for (const auto& [reason, count] : rejected(lidar.beams)) json["beams_rejected"][reason] = count;
+  return json;
+}
+
 std::string position_text(const TrackErrors& e) {
   return fmt::format("mean {:.3f} m, RMSE {:.3f} m, 95 % {:.3f} m, maximum {:.3f} m", e.position_mae_m,
                      e.position_rmse_m, e.position_p95_m, e.position_max_m);
@@ -133,13 +161,58 @@ std::string speed_text(const Localization& run) {
   }
   return text;
 }
-std::string beams_text(const BeamCounts& beams) {
-  std::string text = fmt::format("{} used of {}", beams.used, beams.considered);
-  if (beams.misses > 0) text += fmt::format(", {} without return", beams.misses);
-  for (const auto& [reason, count] : rejected(beams)) {
-    if (count > 0) text += fmt::format(", {} {}", count, reason);
+/// "12 NaN, 3 zero"; empty without any.
+std::string rejected_text(const BeamCounts& beams) {
+  const std::pair<const char*, std::size_t> reasons[] = {{"NaN", beams.nan},
+                                                         {"-infinity", beams.infinite},
+                                                         {"negative", beams.negative},
+                                                         {"zero", beams.zero},
+                                                         {"below the minimum", beams.below_min}};
+  std::string text;
+  for (const auto& [reason, count] : reasons) {
+    if (count > 0) text += fmt::format("{}{} {}", text.empty() ? "" : ", ", count, reason);
   }
   return text;
+}
+
+/// How many of how many beams were used of a LiDAR's scans, and why not the others.
+std::string beams_text(const LidarUse& lidar, int min_beams) {
+  const BeamCounts& beams = lidar.beams;
+  const double scans = static_cast<double>(std::max<std::size_t>(lidar.scans, 1));
+  const double total = static_cast<double>(beams.total) / scans;
+  const double taken = static_cast<double>(beams.considered) / scans;
+  std::string text = fmt::format("{:.4g} of ", taken);
+  text += lidar.smallest == lidar.largest ? fmt::format("{} per scan", lidar.largest)
+                                          : fmt::format("{} to {} per scan", lidar.smallest, lidar.largest);
+  text += beams.considered == beams.total ? fmt::format(" (all; max_beams {})", lidar.max_beams)
+                                          : fmt::format(" (evenly in angle, every {:.1f}th; max_beams {})",
+                                                        total / taken, lidar.max_beams);
+  if (beams.rejected() > 0) {
+    const double percent =
+        100.0 * static_cast<double>(beams.rejected()) / static_cast<double>(beams.considered);
+    text += fmt::format("; {:.2g} % dropped: {}", percent, rejected_text(beams));
+  }
+  if (beams.misses > 0) text += fmt::format("; {} saw nothing in range", beams.misses);
+  if (lidar.too_few > 0) {
+    text += fmt::format("; {} of {} scans not weighed: fewer than {} beams left (min_beams)", lidar.too_few,
+                        lidar.scans, min_beams);
+  }
+  return text;
+}
+
+std::string deskewing_text(const LidarUse& lidar) {
+  std::string text = fmt::format("{} of {} scans", lidar.moving - lidar.unknown_motion, lidar.scans);
+  if (lidar.unknown_motion > 0)
+    text += fmt::format("; for {} no odometry tells the motion", lidar.unknown_motion);
+  return text;
+}
+
+void add_lidar_facts(std::vector<Fact>& facts, const Localization& run) {
+  for (const LidarUse& lidar : run.lidars) {
+    const std::string name = run.lidars.size() > 1 ? lidar.name + ": " : "";
+    facts.push_back({"beams", name + beams_text(lidar, run.config.scan.min_beams)});
+    if (lidar.moving > 0) facts.push_back({"deskewed", name + deskewing_text(lidar)});
+  }
 }
 
 std::string last_error(const TrackErrors& e) {
@@ -187,7 +260,7 @@ std::vector<Fact> main_facts(const RunResults& results) {
     facts.push_back({"relation error", relations_text(*results.relations)});
   }
   facts.push_back({"time", speed_text(run)});
-  if (!run.odometry_only) facts.push_back({"beams", beams_text(run.beams)});
+  if (!run.odometry_only) add_lidar_facts(facts, run);
   facts.push_back({"backend", run.backend});
   facts.push_back({"digest", run.digest});
   return facts;
@@ -204,22 +277,27 @@ std::vector<std::string> warning_lines(const Localization& run) {
   add(run.warnings.beam_count_changes, "scans have another number of beams than the one before");
   add(run.odometry_jumps, "jumps of the odometry");
   add(run.lost_steps, "steps in which no particle fitted the scan");
+  if (const std::string unused = unused_lidars(run.config, run.lidars); !unused.empty())
+    lines.push_back(unused);
   lines.insert(lines.end(), run.warnings.messages.begin(), run.warnings.messages.end());
   return lines;
 }
 
-FactTable config_facts(const FilterConfig& config) {
-  FactTable table{"Configuration", {}};
-  const Json json = config_json(config);  // items() refers to it
+/// "group.key" and value for every leaf.
+void add_leaves(const std::string& prefix, const Json& json, std::vector<Fact>& facts) {
   for (const auto& [key, value] : json.items()) {
-    if (!value.is_object()) {
-      table.facts.push_back({key, value.is_string() ? value.get<std::string>() : value.dump()});
-      continue;
-    }
-    for (const auto& [inner, v] : value.items()) {
-      table.facts.push_back({key + "." + inner, v.is_string() ? v.get<std::string>() : v.dump()});
+    const std::string name = prefix.empty() ? key : prefix + "." + key;
+    if (value.is_object()) {
+      add_leaves(name, value, facts);
+    } else {
+      facts.push_back({name, value.is_string() ? value.get<std::string>() : value.dump()});
     }
   }
+}
+
+FactTable config_facts(const FilterConfig& config) {
+  FactTable table{"Configuration", {}};
+  add_leaves("", config_json(config), table.facts);
   return table;
 }
 
@@ -257,6 +335,7 @@ std::string metrics_json(const RunResults& results) {
   json["beams_used"] = run.beams.used;
   json["beams_without_return"] = run.beams.misses;
   for (const auto& [reason, count] : rejected(run.beams)) json["beams_rejected"][reason] = count;
+  for (const LidarUse& lidar : run.lidars) json["lidars"].push_back(lidar_json(lidar));
   for (const auto& [what, count] : counted(run)) json["warnings"][what] = count;
   json["warnings"]["messages"] = run.warnings.messages;
   json["backend"] = run.backend;

@@ -2,10 +2,12 @@
 #include <fmt/format.h>
 
 #include <CLI/CLI.hpp>
+#include <algorithm>
 #include <cstdint>
 #include <cstdio>
 #include <memory>
 #include <string>
+#include <vector>
 
 #include "common/error.h"
 #include "common/eval/scenario.h"
@@ -63,6 +65,33 @@ SimulatedLog simulate_with_progress(const Scenario& scenario, const GridMap& map
   });
 }
 
+std::size_t scans_in(const SimulatedLog& log) {
+  const auto is_scan = [](const LogRecord& record) { return record.kind == RecordKind::scan; };
+  return static_cast<std::size_t>(std::count_if(log.records.begin(), log.records.end(), is_scan));
+}
+
+/// What the filter must be told, since a CARMEN log cannot say it; one line per LiDAR, as its configuration
+/// has it.
+void print_unsaid(const Scenario& scenario) {
+  std::vector<SimulatedLidar> lidars{scenario.lidar};
+  lidars.insert(lidars.end(), scenario.more_lidars.begin(), scenario.more_lidars.end());
+  for (std::size_t k = 0; k < lidars.size(); ++k) {
+    const SimulatedLidar& lidar = lidars[k];
+    std::string unsaid = lidar.upside_down ? "upside_down: true" : "";
+    if (lidar.scan_time_s > 0.0) {
+      const char* at = lidar.stamp_at == StampAt::first    ? "first"
+                       : lidar.stamp_at == StampAt::middle ? "middle"
+                                                           : "last";
+      unsaid +=
+          fmt::format("{}scan_time: {}, stamp_at: {}", unsaid.empty() ? "" : ", ", lidar.scan_time_s, at);
+    }
+    if (unsaid.empty()) continue;
+    fmt::print(
+        "{:<12}the log cannot say it, the filter's configuration must: lidars: {{robotlaser{}: {{{}}}}}\n",
+        "note", k + 1, unsaid);
+  }
+}
+
 int run(const SimulateOptions& o) {
   const Scenario scenario = effective_scenario(o);
   const GridMap map = read_map(scenario.map_path);
@@ -75,7 +104,7 @@ int run(const SimulateOptions& o) {
   const int code = interrupted() ? kExitInterrupted : 0;
   if (o.quiet) return code;
   fmt::print("{:<12}{:.1f} m in {:.1f} s, {} scans, seed {}\n", "drive", log.path_length_m, log.duration_s,
-             log.truth.size(), scenario.seed);
+             scans_in(log), scenario.seed);
   fmt::print("{:<12}{} of {} hit, {} without a wall in reach, {} dropped out\n", "beams", log.hits, log.beams,
              log.over_range, log.dropouts);
   if (log.unmapped > 0) {
@@ -83,6 +112,7 @@ int run(const SimulateOptions& o) {
                100.0 * static_cast<double>(log.unmapped) / static_cast<double>(log.hits));
   }
   fmt::print("{:<12}{} (beside it: truth.tum)\n", "log", out.final_path("scans.log"));
+  print_unsaid(scenario);
   if (!scenario.localization_map_path.empty()) {
     fmt::print("{:<12}parloc run --map {} --log {} --truth {}\n", "localize it",
                scenario.localization_map_path, out.final_path("scans.log"), out.final_path("truth.tum"));

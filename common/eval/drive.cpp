@@ -16,6 +16,10 @@ Drive plan_drive(const WaypointPath& path) {
     drive.phases.push_back({now_s, now_s + duration_s, pose, turn_rad, dx_m, dy_m});
     now_s += duration_s;
   };
+  const auto spin = [&](const Waypoint& point) {
+    add(std::fabs(point.spin_rad) / path.turn_rate_rad_s, point.spin_rad, 0.0, 0.0);
+    pose.theta_rad = wrap64(pose.theta_rad + point.spin_rad);
+  };
   for (std::size_t i = 0; i + 1 < path.points.size(); ++i) {
     const Waypoint& here = path.points[i];
     const Waypoint& next = path.points[i + 1];
@@ -24,6 +28,7 @@ Drive plan_drive(const WaypointPath& path) {
     const double heading = wrap64(portable_atan2_64(dy, dx));
     if (i == 0) pose.theta_rad = heading;
     add(here.pause_s, 0.0, 0.0, 0.0);
+    spin(here);
     const double turn = wrap64(heading - pose.theta_rad);
     add(std::fabs(turn) / path.turn_rate_rad_s, turn, 0.0, 0.0);
     pose.theta_rad = heading;
@@ -31,6 +36,7 @@ Drive plan_drive(const WaypointPath& path) {
     pose = {next.x_m, next.y_m, heading};
   }
   add(path.points.back().pause_s, 0.0, 0.0, 0.0);
+  spin(path.points.back());
   return drive;
 }
 

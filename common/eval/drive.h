@@ -23,8 +23,8 @@ struct Drive {
   double duration_s() const { return phases.back().end_s; }
 };
 
-/// Phases of a path: at each point pause, turn the short way towards the next, drive there. The start faces
-/// the second point. Needs at least two points, each apart from the one before. Deterministic on every
+/// Phases of a path: at each point pause, spin, turn the short way towards the next, drive there. The start
+/// faces the second point. Needs at least two points, each apart from the one before. Deterministic on every
 /// machine.
 Drive plan_drive(const WaypointPath& path);
 

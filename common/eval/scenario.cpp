@@ -50,8 +50,26 @@ void read_lidar(YamlSection section, SimulatedLidar& lidar) {
                             {{"max", OverRange::max}, {"inf", OverRange::inf}, {"code", OverRange::code}});
   section.number("over_range_code", lidar.over_range_code_m, 0.0, kFarthest_m);
   read_pose(section, "mount", lidar.T_base_sensor);
+  section.boolean("upside_down", lidar.upside_down);
+  section.number("scan_time", lidar.scan_time_s, 0.0, 1.0);
+  section.choice<StampAt>("stamp_at", lidar.stamp_at,
+                          {{"first", StampAt::first}, {"middle", StampAt::middle}, {"last", StampAt::last}});
+  section.number("delay", lidar.delay_s, 0.0, 3600.0);
   if (lidar.range_min_m >= lidar.range_max_m) throw section.error("range_min", "must be below range_max");
   section.finish();
+}
+
+/// Either `lidar`, or `lidars`: a list of such groups.
+void read_lidars(YamlSection& top, Scenario& scenario) {
+  if (!top.has("lidars")) return read_lidar(top.section("lidar"), scenario.lidar);
+  if (top.has("lidar")) throw top.error("lidars", "and lidar: only one of the two may be there");
+  constexpr std::size_t most = 9;  // robotlaser1 to robotlaser9
+  std::vector<YamlSection> sections = top.sections("lidars");
+  if (sections.empty() || sections.size() > most)
+    throw top.error("lidars", fmt::format("must be a list of 1 to {} LiDARs", most));
+  scenario.more_lidars.resize(sections.size() - 1);
+  for (std::size_t k = 0; k < sections.size(); ++k)
+    read_lidar(std::move(sections[k]), k == 0 ? scenario.lidar : scenario.more_lidars[k - 1]);
 }
 
 void read_odometry(YamlSection section, SimulatedOdometry& odometry) {
@@ -101,10 +119,14 @@ Waypoint read_point(const YAML::Node& node, std::size_t number, const std::strin
     const std::string where = fmt::format("{}:{}: {} ", file, node.Mark().line + 1, what);
     return Error(ErrorKind::config, where + message);
   };
-  if (!node.IsSequence() || node.size() < 2 || node.size() > 3)
-    throw fail("must be [x, y] or [x, y, pause_s]");
-  Waypoint point{number_of(node[0], file, what), number_of(node[1], file, what), 0.0};
-  if (node.size() == 3) point.pause_s = number_of(node[2], file, what);
+  if (!node.IsSequence() || node.size() < 2 || node.size() > 4)
+    throw fail("must be [x, y], [x, y, pause_s] or [x, y, pause_s, spin_deg]");
+  Waypoint point{number_of(node[0], file, what), number_of(node[1], file, what)};
+  if (node.size() > 2) point.pause_s = number_of(node[2], file, what);
+  double spin_deg = 0.0;
+  if (node.size() > 3) spin_deg = number_of(node[3], file, what);
+  if (!(spin_deg >= -36000.0 && spin_deg <= 36000.0)) throw fail("must spin by at most 36000 degrees");
+  point.spin_rad = spin_deg * kRadPerDeg;
   const bool near = point.x_m >= -kFarthest_m && point.x_m <= kFarthest_m && point.y_m >= -kFarthest_m &&
                     point.y_m <= kFarthest_m;
   if (!near) throw fail("is beyond 100000 m");
@@ -159,7 +181,7 @@ Scenario scenario_from_text(const std::string& text, const std::string& name) {
   top.text("path", scenario.path_file);
   top.seed("seed", scenario.seed);
   top.number("scan_rate", scenario.scan_rate_hz, 0.01, 200.0);
-  read_lidar(top.section("lidar"), scenario.lidar);
+  read_lidars(top, scenario);
   read_odometry(top.section("odometry"), scenario.odometry);
   read_clutter(top.section("clutter"), scenario.clutter);
   top.finish();

@@ -1,4 +1,4 @@
-// What a simulated drive is made of: a map, a path, a LiDAR and the errors of the odometry.
+// What a simulated drive is made of: a map, a path, one or several LiDARs and the errors of the odometry.
 #pragma once
 
 #include <cstdint>
@@ -14,7 +14,8 @@ namespace parloc {
 struct Waypoint {
   double x_m = 0.0;
   double y_m = 0.0;
-  double pause_s = 0.0;  ///< It stands still this long after it arrives, before it turns.
+  double pause_s = 0.0;   ///< It stands still this long after it arrives, before it turns.
+  double spin_rad = 0.0;  ///< Then it turns in place by this, whole turns included, left if positive.
 };
 
 /// The robot drives straight from point to point and stops to turn in place (the experiment of Paz et al.
@@ -44,6 +45,10 @@ struct SimulatedLidar {
   OverRange over_range = OverRange::max;
   double over_range_code_m = 81.83;
   Pose T_base_sensor;
+  bool upside_down = false;  ///< Mirrored about its own x axis. A log cannot say so.
+  double scan_time_s = 0.0;  ///< From the first beam to the last; each sees from where the robot is then.
+  StampAt stamp_at = StampAt::first;
+  double delay_s = 0.0;  ///< Its scans are this much later than those of a LiDAR without.
 };
 
 struct SimulatedOdometry {
@@ -76,7 +81,8 @@ struct Scenario {
   WaypointPath path;  ///< What path_file holds.
   std::uint64_t seed = 1;
   double scan_rate_hz = 10.0;
-  SimulatedLidar lidar;
+  SimulatedLidar lidar;                     ///< robotlaser1 of the log.
+  std::vector<SimulatedLidar> more_lidars;  ///< robotlaser2 and so on, at most 8.
   SimulatedOdometry odometry;
   SimulatedClutter clutter;
 };

@@ -7,11 +7,13 @@
 #include <cstdint>
 #include <iterator>
 #include <limits>
+#include <optional>
 #include <utility>
 
 #include "common/error.h"
 #include "common/eval/clutter.h"
 #include "common/eval/drive.h"
+#include "common/eval/simulated_walls.h"
 #include "common/math/philox.h"
 #include "common/math/portable64.h"
 #include "common/model/motion.h"
@@ -28,7 +30,14 @@ struct Schedule {
   std::int64_t odometry_ticks = 0;
   std::int64_t scan_ticks = 0;
   std::int64_t last_tick = 0;
+  std::vector<std::int64_t> delay_ticks;  // by LiDAR
 };
+
+std::vector<const SimulatedLidar*> all_lidars(const Scenario& scenario) {
+  std::vector<const SimulatedLidar*> lidars{&scenario.lidar};
+  for (const SimulatedLidar& lidar : scenario.more_lidars) lidars.push_back(&lidar);
+  return lidars;
+}
 
 std::int64_t period_ticks(double rate_hz, const char* key) {
   const double ticks = static_cast<double>(kTicksPerSecond) / rate_hz;
@@ -40,6 +49,19 @@ std::int64_t period_ticks(double rate_hz, const char* key) {
   return static_cast<std::int64_t>(whole);
 }
 
+/// Scans come with odometry: so they come when that does.
+std::int64_t delay_ticks(const SimulatedLidar& lidar, std::int64_t odometry_ticks) {
+  const double steps =
+      lidar.delay_s * static_cast<double>(kTicksPerSecond) / static_cast<double>(odometry_ticks);
+  const double whole = std::rint(steps);
+  if (std::fabs(steps - whole) > 1e-6) {
+    throw Error(
+        ErrorKind::config,
+        fmt::format("lidar.delay must be a multiple of the odometry's period, got {} s", lidar.delay_s));
+  }
+  return static_cast<std::int64_t>(whole) * odometry_ticks;
+}
+
 Schedule make_schedule(const Scenario& scenario, double duration_s) {
   Schedule s;
   s.odometry_ticks = period_ticks(scenario.odometry.rate_hz, "odometry.rate");
@@ -49,7 +71,17 @@ Schedule make_schedule(const Scenario& scenario, double duration_s) {
                 fmt::format("odometry.rate must be a multiple of scan_rate, got {} and {} Hz",
                             scenario.odometry.rate_hz, scenario.scan_rate_hz));
   }
-  const double ranges = duration_s * scenario.scan_rate_hz * scenario.lidar.beams;
+  double beams = 0.0;
+  for (const SimulatedLidar* lidar : all_lidars(scenario)) {
+    beams += lidar->beams;
+    s.delay_ticks.push_back(delay_ticks(*lidar, s.odometry_ticks));
+    if (lidar->scan_time_s > 1.0 / scenario.scan_rate_hz) {
+      throw Error(ErrorKind::config,
+                  fmt::format("lidar.scan_time must be at most the {} s between scans, got {}",
+                              1.0 / scenario.scan_rate_hz, lidar->scan_time_s));
+    }
+  }
+  const double ranges = duration_s * scenario.scan_rate_hz * beams;
   const double readings = duration_s * scenario.odometry.rate_hz;
   if (!(ranges <= kMostRanges && readings <= kMostReadings)) {
     throw Error(
@@ -145,26 +177,51 @@ float over_range_reading(const SimulatedLidar& lidar) {
   return static_cast<float>(lidar.range_max_m);
 }
 
-/// One scan from the true pose of the base; counts its beams in `log`.
-Scan take_scan(const Scenario& scenario, const GridMap& map, const ClutterField& clutter, const Pose& truth,
-               double stamp_s, std::uint32_t index, SimulatedLog& log) {
-  const SimulatedLidar& lidar = scenario.lidar;
-  const Pose sensor = compose(truth, lidar.T_base_sensor);
+/// Where and which way beam i of a scan looks, in the map frame.
+struct TrueBeam {
+  double x_m, y_m, angle_rad;
+};
+
+TrueBeam true_beam(const SimulatedLidar& lidar, const Drive& drive, double stamp_s, int beam) {
+  double time_s = stamp_s;
+  if (lidar.scan_time_s > 0.0 && lidar.beams > 1) {
+    const double at_stamp = lidar.stamp_at == StampAt::first    ? 0.0
+                            : lidar.stamp_at == StampAt::middle ? 0.5
+                                                                : 1.0;
+    time_s += lidar.scan_time_s * (beam / (lidar.beams - 1.0) - at_stamp);
+  }
+  const Pose sensor = compose(pose_at(drive, time_s), lidar.T_base_sensor);
+  const double bearing_rad = lidar.angle_min_rad + beam * lidar.angle_step_rad;
+  // Added up in this order: pinned logs have its rounding.
+  const double angle_rad = lidar.upside_down
+                               ? sensor.theta_rad - bearing_rad
+                               : sensor.theta_rad + lidar.angle_min_rad + beam * lidar.angle_step_rad;
+  return {sensor.x_m, sensor.y_m, angle_rad};
+}
+
+/// Scan number `index` of LiDAR number `which`; counts its beams in `log`.
+Scan take_scan(const Scenario& scenario, const SimulatedLidar& lidar, std::uint32_t which, const GridMap& map,
+               const ClutterField& clutter, const Drive& drive, double stamp_s, std::uint32_t index,
+               SimulatedLog& log) {
+  const Pose truth = pose_at(drive, stamp_s);
   Scan scan;
+  scan.stamp_s = stamp_s;
+  scan.sensor = fmt::format("robotlaser{}", which + 1);
   scan.T_base_sensor = lidar.T_base_sensor;
   scan.angle_min_rad = lidar.angle_min_rad;
   scan.angle_step_rad = lidar.angle_step_rad;
   scan.range_min_m = lidar.range_min_m;
   scan.range_max_m = lidar.range_max_m;
+  scan.scan_time_s = lidar.scan_time_s;
   scan.ranges_m.resize(static_cast<std::size_t>(lidar.beams));
   for (int beam = 0; beam < lidar.beams; ++beam) {
-    const double angle = sensor.theta_rad + lidar.angle_min_rad + beam * lidar.angle_step_rad;
-    SimulatedHit wall = cast_simulated_ray(map, sensor.x_m, sensor.y_m, angle, lidar.range_max_m);
-    const double free_m = clutter.range(truth, stamp_s, sensor.x_m, sensor.y_m, angle, wall.range_m);
+    const TrueBeam b = true_beam(lidar, drive, stamp_s, beam);
+    SimulatedHit wall = cast_simulated_ray(map, b.x_m, b.y_m, b.angle_rad, lidar.range_max_m);
+    const double free_m = clutter.range(truth, stamp_s, b.x_m, b.y_m, b.angle_rad, wall.range_m);
     const bool unmapped = free_m < wall.range_m;
     if (unmapped) wall.range_m = free_m, wall.hit = true;
     const Philox4x32 r =
-        philox(static_cast<std::uint32_t>(beam), index, Stream::simulated_beams, 0, scenario.seed);
+        philox(static_cast<std::uint32_t>(beam), index, Stream::simulated_beams, which, scenario.seed);
     const double sigma_m = lidar.sigma_range_m + lidar.sigma_range_relative * wall.range_m;
     const double range_m = wall.range_m + sigma_m * static_cast<double>(normals(r).n[0]);
     const bool lost = static_cast<double>(uniform_unit(r.w[2])) < lidar.dropout_probability;
@@ -198,6 +255,10 @@ SimulatedHit cast_simulated_ray(const GridMap& map, double x_m, double y_m, doub
   const double u = std::floor(start.x_m / cell_m);
   const double v = std::floor(start.y_m / cell_m);
   if (!(u >= 0.0 && v >= 0.0 && u < map.width && v < map.height)) return miss;
+  if (!map.walls.empty()) {
+    const std::optional<double> range_m = cast_at_walls(map.walls, start, range_max_m);
+    return range_m ? SimulatedHit{*range_m, 0, 0, true} : miss;
+  }
   int i = static_cast<int>(u);
   int j = static_cast<int>(v);
   // Distance to the next grid line of each axis, from its integer index: no error accumulates.
@@ -238,6 +299,7 @@ SimulatedLog simulate(const Scenario& scenario, const GridMap& map,
   log.path_length_m = path_length_m(scenario.path);
   log.duration_s = drive.duration_s();
   SimulatedWheels wheels(scenario.odometry, pose_at(drive, 0.0), scenario.seed);
+  const std::vector<const SimulatedLidar*> lidars = all_lidars(scenario);
   for (std::int64_t tick = 0; tick <= schedule.last_tick; tick += schedule.odometry_ticks) {
     const double stamp_s = static_cast<double>(tick) / static_cast<double>(kTicksPerSecond);
     const Pose truth = pose_at(drive, stamp_s);
@@ -245,16 +307,20 @@ SimulatedLog simulate(const Scenario& scenario, const GridMap& map,
     LogRecord record;
     record.stamp_s = stamp_s;
     record.odometry = wheels.pose();
-    if (tick % schedule.scan_ticks == 0) {
+    for (std::uint32_t k = 0; k < lidars.size(); ++k) {
+      const std::int64_t since = tick - schedule.delay_ticks[k];
+      if (since < 0 || since % schedule.scan_ticks != 0) continue;
       record.kind = RecordKind::scan;
-      record.sensor = "robotlaser1";
-      record.scan = take_scan(scenario, map, clutter, truth, stamp_s,
-                              static_cast<std::uint32_t>(log.truth.size()), log);
-      record.scan.stamp_s = stamp_s;
-      log.truth.push_back({stamp_s, truth});
+      const auto index = static_cast<std::uint32_t>(since / schedule.scan_ticks);
+      record.scan = take_scan(scenario, *lidars[k], k, map, clutter, drive, stamp_s, index, log);
+      log.records.push_back(record);
     }
     const bool is_scan = record.kind == RecordKind::scan;
-    log.records.push_back(std::move(record));
+    if (is_scan) {
+      log.truth.push_back({stamp_s, truth});
+    } else {
+      log.records.push_back(std::move(record));
+    }
     const double fraction =
         static_cast<double>(tick) / std::max(1.0, static_cast<double>(schedule.last_tick));
     if (is_scan && keep_going && !keep_going(fraction)) break;

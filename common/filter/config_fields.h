@@ -7,6 +7,8 @@
 #include <cstddef>
 #include <cstdint>
 #include <limits>
+#include <optional>
+#include <string>
 
 #include "common/filter/config.h"
 
@@ -40,6 +42,11 @@ struct FieldGroup {
   const char* doc;
 };
 
+/// The group of the LiDARs: "name:" lines with a group of settings each (visit_lidar_fields).
+inline constexpr FieldGroup kLidars{
+    "lidars",
+    "What the log does not say of a LiDAR, or says wrongly: an entry for each, by its name in the log."};
+
 inline constexpr std::array<FieldGroup, 5> kFieldGroups{{
     {"motion", "How the robot moves: odometry motion model."},
     {"scan", "Which beams of a scan are used, and what their values mean."},
@@ -54,6 +61,8 @@ inline constexpr std::array<Choice<MotionForm>, 2> kMotionForms{
     {{"seed", MotionForm::seed}, {"thrun", MotionForm::thrun}}};
 inline constexpr std::array<Choice<ZeroPolicy>, 2> kZeroPolicies{
     {{"invalid", ZeroPolicy::invalid}, {"miss", ZeroPolicy::miss}}};
+inline constexpr std::array<Choice<StampAt>, 3> kStampAts{
+    {{"first", StampAt::first}, {"middle", StampAt::middle}, {"last", StampAt::last}}};
 inline constexpr std::array<Choice<SensorModel>, 6> kSensorModels{
     {{"gaussian", SensorModel::gaussian},
      {"s5", SensorModel::s5},
@@ -116,7 +125,7 @@ void visit_fields(Config& c, Visitor&& visit) {
         m.max_jump_m, Real{0, 1000, true});
 
   auto& s = c.scan;
-  visit(Field{"scan", "max_beams", "Beams used of a scan, evenly spaced in index"}, s.max_beams,
+  visit(Field{"scan", "max_beams", "Beams used of a scan, evenly spaced in angle"}, s.max_beams,
         Int{1, 4096});
   visit(Field{"scan", "min_beams", "Fewer usable beams: prediction only"}, s.min_beams, Int{1, 4096});
   visit(Field{"scan", "laser_min_range", "Shortest range, where the log gives none [m]"}, s.laser_min_range,
@@ -125,6 +134,9 @@ void visit_fields(Config& c, Visitor&& visit) {
         Real{0, 1000, true});
   visit(Field{"scan", "zero_policy", "What a range of exactly 0 means: a broken beam, or no return"},
         s.zero_policy, kZeroPolicies);
+  visit(Field{"scan", "scan_time", "From a scan's first beam to its last, where the log gives none [s]"},
+        s.scan_time, Real{0, 1});
+  visit(Field{"scan", "stamp_at", "The beam that a scan's stamp is the time of"}, s.stamp_at, kStampAts);
 
   auto& z = c.sensor;
   visit(Field{"sensor", "model", "The first four cast rays, the others look up end points"}, z.model,
@@ -172,6 +184,32 @@ void visit_fields(Config& c, Visitor&& visit) {
 
   visit(Field{"estimate", "mode", "The mean of all particles, or of their heaviest cluster"}, c.estimate.mode,
         kEstimateModes);
+}
+
+/// The same for one LiDAR's settings, most of which are optional: (Field, optional<number>&, Limits<number>),
+/// (Field, optional<enum>&, array of Choice), (Field, bool&). `group` is what the fields' group is to be.
+template <class Lidar, class Visitor>
+void visit_lidar_fields(Lidar& l, const char* group, Visitor&& visit) {
+  using Real = Limits<double>;
+  visit(Field{group, "x", "Place on the robot, ahead [m]; what is left out here is as the log says"}, l.x,
+        Real{-100, 100});
+  visit(Field{group, "y", "... to the left [m]"}, l.y, Real{-100, 100});
+  visit(Field{group, "yaw", "... and where its angle 0 looks, counter-clockwise [rad]"}, l.yaw,
+        Real{-6.3, 6.3});
+  visit(Field{group, "upside_down", "Mirrored about its own x axis: its angles run clockwise"},
+        l.upside_down);
+  visit(Field{group, "min_range", "Shortest range [m]"}, l.min_range, Real{0, 1000});
+  visit(Field{group, "max_range", "Longest range [m]"}, l.max_range, Real{0, 1000, true});
+  visit(Field{group, "zero_policy", "As scan.zero_policy"}, l.zero_policy, kZeroPolicies);
+  visit(Field{group, "max_beams", "As scan.max_beams"}, l.max_beams, Limits<int>{1, 4096});
+  visit(Field{group, "scan_time", "As scan.scan_time, but over what the log says [s]"}, l.scan_time,
+        Real{0, 1});
+  visit(Field{group, "stamp_at", "As scan.stamp_at"}, l.stamp_at, kStampAts);
+}
+
+/// "lidars.front"
+inline std::string lidar_group(const LidarConfig& lidar) {
+  return std::string(kLidars.name) + "." + lidar.name;
 }
 
 }  // namespace parloc

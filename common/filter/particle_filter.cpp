@@ -58,16 +58,38 @@ Estimate to_estimate(const StepState& s, const FilterConfig& config, const Pose&
   return e;
 }
 
+/// What the filter remembers of one LiDAR.
+struct LidarState {
+  double range_max_m = 0.0;      ///< Of its last scan.
+  std::optional<Pose> odometry;  ///< At its last processed scan.
+};
+
+void add(BeamCounts& sum, const BeamCounts& c) {
+  sum.total += c.total;
+  sum.considered += c.considered;
+  sum.used += c.used;
+  sum.misses += c.misses;
+  sum.nan += c.nan;
+  sum.infinite += c.infinite;
+  sum.negative += c.negative;
+  sum.zero += c.zero;
+  sum.below_min += c.below_min;
+}
+
 }  // namespace
 
 struct ParticleFilter::State {
+  explicit State(const FilterConfig& c) : config(c), track(c.motion.max_jump_m) {}
+
   FilterConfig config;
   GridMap map;
   std::unique_ptr<Backend> backend;
   BeamTable beams;
-  BeamCounts counts;
-  double range_max_m = 0.0;      // that the backend's tables are made for
-  std::optional<Pose> odometry;  // at the last processed step
+  OdometryTrack track;
+  std::vector<LidarUse> used;      // one per LiDAR seen ...
+  std::vector<LidarState> lidars;  // ... and its state
+  double range_max_m = 0.0;        // that the backend's tables are made for
+  std::optional<Pose> odometry;    // at the last processed step
   Estimate last;
   std::size_t jumps = 0, invalid = 0, steps = 0;
   bool started = false;
@@ -75,24 +97,37 @@ struct ParticleFilter::State {
 
   RandomKey key() const { return {config.seed, static_cast<std::uint32_t>(steps)}; }
   void begin(ParticleSet set);
-  bool gated(const OdometryIncrement& u) const;
+  std::size_t lidar_of(const Scan& scan);
+  bool gated(const std::optional<Pose>& before, const Pose& now) const;
   MotionStep motion(const OdometryIncrement& u);
+  bool take_in(const Scan& scan, std::size_t lidar);
   void remember(const Estimate& e);
 };
 
 void ParticleFilter::State::begin(ParticleSet set) {
   backend->upload(std::move(set));
   odometry.reset();
-  counts = {};
+  track.clear();
+  used.clear();
+  lidars.clear();
   last = {};
   jumps = invalid = steps = 0;
   estimates = {};
   started = true;
 }
 
-/// Too little motion since the last processed scan to weigh another one (SPEC 6.4).
-bool ParticleFilter::State::gated(const OdometryIncrement& u) const {
-  if (config.update_min_d <= 0 && config.update_min_a <= 0) return false;
+std::size_t ParticleFilter::State::lidar_of(const Scan& scan) {
+  for (std::size_t k = 0; k < used.size(); ++k)
+    if (used[k].name == scan.sensor) return k;
+  used.emplace_back().name = scan.sensor;
+  lidars.emplace_back();
+  return used.size() - 1;
+}
+
+/// Too little motion since the last processed scan of the same LiDAR to weigh another one (SPEC 6.4).
+bool ParticleFilter::State::gated(const std::optional<Pose>& before, const Pose& now) const {
+  if (!before || (config.update_min_d <= 0 && config.update_min_a <= 0)) return false;
+  const OdometryIncrement u = odometry_increment(*before, now, config.motion.min_translation_m);
   const double turn = std::fabs(wrap64(u.rot1_rad + u.rot2_rad));
   return std::fabs(u.trans_m) < config.update_min_d && turn < config.update_min_a;
 }
@@ -104,6 +139,37 @@ MotionStep ParticleFilter::State::motion(const OdometryIncrement& u) {
   return motion_step(u, config.motion, jump ? length_m / config.motion.max_jump_m : 1.0);
 }
 
+/// Fills `beams`; whether there are enough of them to weigh.
+bool ParticleFilter::State::take_in(const Scan& scan, std::size_t lidar) {
+  LidarUse& use = used[lidar];
+  const LidarSetup setup = lidar_setup(scan, config.scan, find_lidar(config.lidars, scan.sensor));
+  const bool moving = takes_time(scan, setup);
+  const bool deskew = moving && track.knows_motion();
+  select_beams(scan, setup, deskew ? &track : nullptr, config.sensor, map.resolution_m, beams, use.beams);
+  const bool weighted = beams.count >= static_cast<std::size_t>(config.scan.min_beams);
+
+  const std::size_t size = scan.ranges_m.size();
+  use.max_beams = setup.max_beams;
+  use.smallest = use.scans == 0 ? size : std::min(use.smallest, size);
+  use.largest = std::max(use.largest, size);
+  ++use.scans;
+  use.moving += moving ? 1 : 0;
+  use.unknown_motion += moving && !deskew ? 1 : 0;
+  use.too_few += weighted ? 0 : 1;
+  if (!weighted) return false;
+
+  // One table for all LiDARs, of the farthest-reaching: remaking it takes longer than a step.
+  use.beams.used += beams.count;
+  lidars[lidar].range_max_m = beams.range_max_m;
+  double farthest_m = 0.0;
+  for (const LidarState& l : lidars) farthest_m = std::max(farthest_m, l.range_max_m);
+  if (farthest_m != range_max_m) {
+    range_max_m = farthest_m;
+    backend->set_range_max(range_max_m);
+  }
+  return true;
+}
+
 void ParticleFilter::State::remember(const Estimate& e) {
   for (const double v : {e.pose.x_m, e.pose.y_m, e.pose.theta_rad, e.n_eff}) estimates.add(v);
   for (const double v : e.covariance.v) estimates.add(v);
@@ -111,10 +177,9 @@ void ParticleFilter::State::remember(const Estimate& e) {
 }
 
 ParticleFilter::ParticleFilter(const FilterConfig& config, const GridMap& map)
-    : state_(std::make_unique<State>()) {
+    : state_(std::make_unique<State>(config)) {
   validate(config);
   if (!has_free_cell(map)) throw Error(ErrorKind::input, map.name + ": the map has no free cell");
-  state_->config = config;
   state_->map = map;
   std::string why;
   state_->backend = make_backend(
@@ -147,6 +212,10 @@ void ParticleFilter::start_anywhere() {
   state_->begin(uniform_start(state_->map, state_->config.particles, state_->config.seed));
 }
 
+void ParticleFilter::add_odometry(double stamp_s, const Pose& odometry) {
+  state_->track.add(stamp_s, odometry);
+}
+
 Estimate ParticleFilter::step(const Pose& odometry, const Scan& scan) {
   State& s = *state_;
   if (!s.started) throw Error(ErrorKind::internal, "ParticleFilter::step before start_at or start_anywhere");
@@ -154,26 +223,21 @@ Estimate ParticleFilter::step(const Pose& odometry, const Scan& scan) {
     ++s.invalid;
     return s.last;
   }
+  s.track.add(scan.stamp_s, odometry);
   if (!s.odometry) s.odometry = odometry;
-  const OdometryIncrement u = odometry_increment(*s.odometry, odometry, s.config.motion.min_translation_m);
-  if (s.steps > 0 && s.gated(u)) {
+  const std::size_t lidar = s.lidar_of(scan);
+  if (s.gated(s.lidars[lidar].odometry, odometry)) {
     Estimate e = s.last;
     e.pose = compose(s.last.pose, relative(odometry, *s.odometry));
     e.weighted = e.resampled = false;
     return e;
   }
-  s.odometry = odometry;
-
-  select_beams(scan, s.config.scan, s.config.sensor, s.map.resolution_m, s.beams, s.counts);
-  const bool weighted = s.beams.count >= static_cast<std::size_t>(s.config.scan.min_beams);
-  if (weighted && s.beams.range_max_m != static_cast<float>(s.range_max_m)) {
-    s.range_max_m = s.beams.range_max_m;
-    s.backend->set_range_max(s.range_max_m);
-  }
+  const bool weighted = s.take_in(scan, lidar);
+  const OdometryIncrement u = odometry_increment(*s.odometry, odometry, s.config.motion.min_translation_m);
+  s.odometry = s.lidars[lidar].odometry = odometry;
 
   s.backend->predict(s.motion(u), s.key());  // Paz et al. 2012, eq. 6 to 8
   if (weighted) {
-    s.counts.used += s.beams.count;
     s.backend->set_scan(s.beams);
     s.backend->weight(true);  // algorithms 1 and 3, fused
   }
@@ -204,8 +268,19 @@ std::vector<Particle> ParticleFilter::particles(std::size_t most) const {
   return out;
 }
 
-const BeamCounts& ParticleFilter::beam_counts() const {
-  return state_->counts;
+BeamCounts ParticleFilter::beam_counts() const {
+  BeamCounts sum;
+  for (const LidarUse& lidar : state_->used) add(sum, lidar.beams);
+  return sum;
+}
+const std::vector<LidarUse>& ParticleFilter::lidars_used() const {
+  return state_->used;
+}
+std::vector<EndPoint> ParticleFilter::end_points(const Scan& scan) const {
+  const FilterConfig& c = state_->config;
+  const LidarSetup setup = lidar_setup(scan, c.scan, find_lidar(c.lidars, scan.sensor));
+  const bool deskew = takes_time(scan, setup) && state_->track.knows_motion();
+  return parloc::end_points(scan, setup, deskew ? &state_->track : nullptr);
 }
 std::size_t ParticleFilter::odometry_jumps() const {
   return state_->jumps;

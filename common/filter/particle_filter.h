@@ -62,16 +62,27 @@ class ParticleFilter {
   /// Uniform over the free cells.
   void start_anywhere();
 
-  /// Moves by the odometry since the last call and weighs the scan (first call: no motion).
-  /// Non-finite odometry is skipped and counted.
+  /// An odometry reading between steps, in any order: how the robot moves while a scan is taken. Matters only
+  /// for scans that take time, and those also know the odometry of the steps; readings up to the last beam's
+  /// time, given before the step, spare it a guess.
+  void add_odometry(double stamp_s, const Pose& odometry);
+
+  /// Moves by the odometry since the last call and weighs the scan (first call: no motion). `odometry` is
+  /// that at the scan's stamp. Scans of several LiDARs (Scan::sensor) are steps of their own, in any order.
+  /// Non-finite odometry is skipped and counted. Throws Error{input} for a scan whose arrays do not fit
+  /// together.
   Estimate step(const Pose& odometry, const Scan& scan);
 
   /// The particles of the last step (downloads them); at most `most`, evenly by slot. Weights are shares of
   /// all.
   std::vector<Particle> particles(std::size_t most = SIZE_MAX) const;
-  const BeamCounts& beam_counts() const;  ///< Summed since the start.
-  std::size_t odometry_jumps() const;     ///< Steps longer than max_jump_m.
-  std::size_t odometry_invalid() const;   ///< Steps skipped because the odometry was not finite.
+  BeamCounts beam_counts() const;                    ///< Summed since the start, over all LiDARs.
+  const std::vector<LidarUse>& lidars_used() const;  ///< By LiDAR, in the order in which they came.
+  /// Where the beams of a scan ended, in the base frame at its stamp, decimation apart, by the odometry known
+  /// so far.
+  std::vector<EndPoint> end_points(const Scan& scan) const;
+  std::size_t odometry_jumps() const;    ///< Steps longer than max_jump_m.
+  std::size_t odometry_invalid() const;  ///< Steps skipped because the odometry was not finite.
   std::size_t steps() const;
   std::string backend_name() const;  ///< "cpu (AVX-512, 2 threads)" or "cuda (device name)".
   const FilterConfig& config() const;

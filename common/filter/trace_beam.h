@@ -2,6 +2,7 @@
 #pragma once
 
 #include "common/filter/stages.h"
+#include "common/map/wall_cast.h"
 
 namespace parloc {
 
@@ -55,6 +56,11 @@ PARLOC_HD float trace_beam(const RayTraceArgs& a, const RayOrigin& o, std::size_
   const Ray ray = ray_of_beam(a, o, beam);
   if (a.caster == RayCaster::fixed_step)
     return cast_fixed_step(a.map, ray, reach_cells, a.fixed_step_cells, range_max_m);
+  if (a.map.walls.count > 0) {
+    const float t = a.caster == RayCaster::dda ? cast_all_walls(a.map, ray, reach_cells)
+                                               : cast_walls(a.map, ray, reach_cells);
+    return range_of_wall(t, a.map.resolution_m, range_max_m);
+  }
   const RayHit hit =
       a.caster == RayCaster::dda ? cast_dda(a.map, ray, reach_cells) : cast_skip(a.map, ray, reach_cells);
   return range_of_hit(ray, hit, a.map.resolution_m, range_max_m);

@@ -125,7 +125,8 @@ class CarmenLog final : public LogReader {
   LineReader lines_;
   LogWarnings warnings_;
   Mounts mounts_;
-  std::array<std::size_t, 3> beams_of_sensor_{};  ///< Of the scan before; 0: none yet.
+  /// Of the scan before, of front, rear and robotlaser1 to 9; 0: none yet.
+  std::array<std::size_t, 11> beams_of_sensor_{};
   double last_scan_stamp_s_ = 0.0;
   bool any_scan_ = false;
   bool failure_counted_ = false;
@@ -138,6 +139,14 @@ bool is_message_name(std::string_view name) {
          std::all_of(name.begin(), name.end(), [&](char c) { return letter(c) || other(c); });
 }
 
+constexpr std::string_view kRobotlaser = "ROBOTLASER";
+
+// '1' to '9' for ROBOTLASER1 to ROBOTLASER9, else 0.
+char robotlaser_number(std::string_view name) {
+  const bool is = name.size() == kRobotlaser.size() + 1 && name.substr(0, kRobotlaser.size()) == kRobotlaser;
+  return is && name.back() >= '1' && name.back() <= '9' ? name.back() : '\0';
+}
+
 // True if the line gave a record.
 bool CarmenLog::parse(std::string_view line, LogRecord& record) {
   Fields fields(line);
@@ -145,17 +154,19 @@ bool CarmenLog::parse(std::string_view line, LogRecord& record) {
   if (name.empty() || name.front() == '#') return false;
   record.line = lines_.line();
   record.scan.ranges_m.clear();
-  record.sensor.clear();
+  record.scan.sensor.clear();
+  record.scan.bearings_rad.clear();
+  record.scan.beam_times_s.clear();
   if (name == "ODOM") {
     parse_odom(fields, record);
   } else if (name == "FLASER") {
-    record.sensor = "front";
+    record.scan.sensor = "front";
     parse_half_circle(fields, record, mounts_.T_base_front);
   } else if (name == "RLASER") {
-    record.sensor = "rear";
+    record.scan.sensor = "rear";
     parse_half_circle(fields, record, mounts_.T_base_rear);
-  } else if (name == "ROBOTLASER1") {
-    record.sensor = "robotlaser1";
+  } else if (const char number = robotlaser_number(name); number != 0) {
+    record.scan.sensor = std::string("robotlaser") + number;
     parse_robotlaser(fields, record);
   } else if (name == "PARAM") {
     parse_param(fields);
@@ -197,11 +208,11 @@ void CarmenLog::parse_half_circle(Fields& fields, LogRecord& record, const Pose&
   record.odometry = read_pose(fields, "finite odometry");
   record.stamp_s = scan.stamp_s = read_end(fields, lines_.terminated());
   scan.T_base_sensor = T_base_sensor;
-  scan.range_min_m = scan.range_max_m = 0.0;
+  scan.range_min_m = scan.range_max_m = scan.scan_time_s = 0.0;
   set_half_circle(scan);
 }
 
-// ROBOTLASER1 type start_angle fov resolution max_range accuracy remission_mode n r_1 .. r_n n_remissions
+// ROBOTLASER<k> type start_angle fov resolution max_range accuracy remission_mode n r_1 .. r_n n_remissions
 // remissions
 //   laser_x laser_y laser_theta robot_x robot_y robot_theta tv rv forward side axis stamp host logger_stamp
 void CarmenLog::parse_robotlaser(Fields& fields, LogRecord& record) const {
@@ -228,15 +239,20 @@ void CarmenLog::parse_robotlaser(Fields& fields, LogRecord& record) const {
   if (scan.ranges_m.size() > 1 && scan.angle_step_rad == 0.0)
     throw BrokenLine{"expected an angle step, found 0"};
   scan.T_base_sensor = relative(T_odom_sensor, record.odometry);
-  scan.range_min_m = 0.0;
+  scan.range_min_m = scan.scan_time_s = 0.0;
   scan.range_max_m = std::isfinite(max_range_m) && max_range_m > 0.0 ? max_range_m : 0.0;
+}
+
+std::size_t sensor_index(const std::string& name) {
+  if (name == "front") return 0;
+  return name == "rear" ? 1 : 1 + static_cast<std::size_t>(name.back() - '0');
 }
 
 void CarmenLog::count_scan(const LogRecord& record) {
   if (any_scan_ && record.stamp_s < last_scan_stamp_s_) ++warnings_.backward_stamps;
   any_scan_ = true;
   last_scan_stamp_s_ = record.stamp_s;
-  std::size_t& beams = beams_of_sensor_[record.sensor == "front" ? 0 : record.sensor == "rear" ? 1 : 2];
+  std::size_t& beams = beams_of_sensor_[sensor_index(record.scan.sensor)];
   if (beams != 0 && beams != record.scan.ranges_m.size()) ++warnings_.beam_count_changes;
   beams = record.scan.ranges_m.size();
 }
@@ -266,8 +282,10 @@ std::string carmen_line(const LogRecord& record) {
   const Pose laser = compose(robot, scan.T_base_sensor);
   std::string line;
   auto out = std::back_inserter(line);
-  fmt::format_to(out, "ROBOTLASER1 0 {:.9f} {:.9f} {:.9f} {:.6f} 0.010000 0 {}", scan.angle_min_rad, fov_rad,
-                 scan.angle_step_rad, scan.range_max_m, n);
+  const bool numbered = scan.sensor.size() == 11 && scan.sensor.rfind("robotlaser", 0) == 0;
+  const char number = numbered ? robotlaser_number(std::string(kRobotlaser) + scan.sensor.back()) : '\0';
+  fmt::format_to(out, "ROBOTLASER{} 0 {:.9f} {:.9f} {:.9f} {:.6f} 0.010000 0 {}", number != 0 ? number : '1',
+                 scan.angle_min_rad, fov_rad, scan.angle_step_rad, scan.range_max_m, n);
   for (const float range_m : scan.ranges_m) fmt::format_to(out, " {:.4f}", range_m);
   fmt::format_to(out, " 0 {:.9f} {:.9f} {:.9f} {:.9f} {:.9f} {:.9f} 0 0 0 0 0 {:.6f} parloc {:.6f}",
                  laser.x_m, laser.y_m, laser.theta_rad, robot.x_m, robot.y_m, robot.theta_rad, scan.stamp_s,

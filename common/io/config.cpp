@@ -10,6 +10,7 @@
 #include <cmath>
 #include <cstring>
 #include <fstream>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <type_traits>
@@ -37,6 +38,13 @@ class FieldSetter {
     constexpr const char* wanted = std::is_integral_v<Number> ? "a whole number" : "a number";
     const Number value = parse<Number>(field, wanted, limits);
     if (!config_text::within(value, limits)) fail(config_text::limits_message(field, value, limits));
+    target = value;
+  }
+  template <class Value, class Allowed>
+  void operator()(const Field& field, std::optional<Value>& target, const Allowed& allowed) {
+    if (!matches(field)) return;
+    Value value{};
+    (*this)(field, value, allowed);
     target = value;
   }
   void operator()(const Field& field, bool& target) {
@@ -120,6 +128,17 @@ void require_form(const std::vector<ConfigEntry>& entries, const std::string& na
   }
 }
 
+/// The LiDAR of a group "lidars.front"; made if it is the first time. Null for another group.
+LidarConfig* lidar_of(const std::string& group, std::vector<LidarConfig>& lidars) {
+  const std::string prefix = std::string(kLidars.name) + ".";
+  if (group.rfind(prefix, 0) != 0) return nullptr;
+  const std::string name = group.substr(prefix.size());
+  for (LidarConfig& lidar : lidars)
+    if (lidar.name == name) return &lidar;
+  lidars.emplace_back().name = name;
+  return &lidars.back();
+}
+
 }  // namespace
 
 FilterConfig config_from_text(const std::string& text, const std::string& name) {
@@ -132,7 +151,11 @@ FilterConfig config_from_text(const std::string& text, const std::string& name) 
   }
   for (const ConfigEntry& entry : entries) {
     FieldSetter setter(name, entry);
-    visit_fields(config, setter);
+    if (LidarConfig* lidar = lidar_of(entry.group, config.lidars)) {
+      visit_lidar_fields(*lidar, entry.group.c_str(), setter);
+    } else {
+      visit_fields(config, setter);
+    }
   }
   require_form(entries, name);
   if (const auto violation = first_violation(config)) {

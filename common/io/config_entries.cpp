@@ -25,15 +25,28 @@ using config_text::full_name;
 using config_text::printable;
 
 bool is_group(std::string_view name) {
-  return std::any_of(kFieldGroups.begin(), kFieldGroups.end(),
-                     [&](const FieldGroup& g) { return g.name == name; });
+  return name == kLidars.name || std::any_of(kFieldGroups.begin(), kFieldGroups.end(),
+                                             [&](const FieldGroup& g) { return g.name == name; });
 }
 
-bool is_setting(std::string_view group, std::string_view key) {
+const FilterConfig kDefaults;
+const LidarConfig kAnyLidar;
+
+/// Whether it is "lidars.front", whatever the name.
+bool is_lidar(std::string_view group) {
+  return group.size() > std::strlen(kLidars.name) && group.rfind(std::string(kLidars.name) + ".", 0) == 0;
+}
+
+bool is_setting(const std::string& group, std::string_view key) {
   bool found = false;
-  const FilterConfig defaults;
-  visit_fields(defaults,
-               [&](const Field& f, const auto&...) { found = found || (group == f.group && key == f.key); });
+  const auto look = [&](const Field& f, const auto&...) {
+    found = found || (group == f.group && key == f.key);
+  };
+  if (is_lidar(group)) {
+    visit_lidar_fields(kAnyLidar, group.c_str(), look);
+  } else {
+    visit_fields(kDefaults, look);
+  }
   return found;
 }
 
@@ -61,11 +74,15 @@ std::string unknown_key_message(const std::string& group, const std::string& key
   const std::string written = printable(full_name(group, key));
   constexpr std::size_t longest_sensible = 100;  // bounds the work that a hostile key makes
   if (key.size() > longest_sensible) return fmt::format("unknown key '{}'", written);
-  const FilterConfig defaults;
   NearestSetting nearest{group, key, static_cast<std::size_t>(-1), {}};
-  visit_fields(defaults, nearest);
+  if (is_lidar(group)) {
+    visit_lidar_fields(kAnyLidar, group.c_str(), nearest);
+  } else {
+    visit_fields(kDefaults, nearest);
+  }
   if (group.empty()) {
     for (const FieldGroup& known : kFieldGroups) nearest.consider("", known.name);
+    nearest.consider("", kLidars.name);
   }
   return fmt::format("unknown key '{}'; the nearest valid key is '{}'", written, nearest.name);
 }
@@ -108,6 +125,10 @@ class EntryCollector : public YAML::EventHandler {
                        YAML::EmitterStyle::value) override {
     if (!key_) fail(line_of(mark), "expected lines of 'key: value', got a list");
     require_known_key();
+    if (level_ == Level::lidars || *key_ == kLidars.name) {
+      fail(line_of(mark),
+           fmt::format("expected indented lines below '{}', got a list", full_name(group_, *key_)));
+    }
     fail(line_of(mark), fmt::format("expected a single value for '{}', got a list", *key_));
   }
   void OnSequenceEnd() override {}
@@ -120,22 +141,25 @@ class EntryCollector : public YAML::EventHandler {
     }
     if (!key_) fail(line_of(mark), "expected a key, got a group");
     require_known_key();
-    if (level_ != Level::top || !is_group(*key_)) {
+    const bool opens = level_ == Level::lidars || (level_ == Level::top && is_group(*key_));
+    if (!opens) {
       fail(line_of(mark),
            fmt::format("expected a single value for '{}', got a group", full_name(group_, *key_)));
     }
     note_group();
-    group_ = *key_;
-    level_ = Level::group;
+    level_ = level_ == Level::lidars ? Level::lidar : *key_ == kLidars.name ? Level::lidars : Level::group;
+    group_ = full_name(group_, *key_);
     key_.reset();
   }
   void OnMapEnd() override {
-    level_ = level_ == Level::group ? Level::top : Level::document;
-    group_.clear();
+    group_ = level_ == Level::lidar ? kLidars.name : "";
+    level_ = level_ == Level::lidar                              ? Level::lidars
+             : level_ == Level::group || level_ == Level::lidars ? Level::top
+                                                                 : Level::document;
   }
 
  private:
-  enum class Level { document, top, group };
+  enum class Level { document, top, group, lidars, lidar };
 
   static std::size_t line_of(const YAML::Mark& mark) {
     return mark.line < 0 ? 0 : static_cast<std::size_t>(mark.line) + 1;
@@ -150,22 +174,28 @@ class EntryCollector : public YAML::EventHandler {
     }
   }
   void require_known_key() const {
+    if (level_ == Level::lidars) {
+      if (config_text::is_lidar_name(*key_)) return;
+      fail(key_line_,
+           fmt::format("lidars: '{}' is no name of a LiDAR: {}", printable(*key_), config_text::kLidarNames));
+    }
     const bool known = is_setting(group_, *key_) || (level_ == Level::top && is_group(*key_));
     if (!known) fail(key_line_, unknown_key_message(group_, *key_));
   }
   void note_group() {
-    if (std::find(seen_groups_.begin(), seen_groups_.end(), *key_) != seen_groups_.end()) {
-      fail(key_line_, fmt::format("duplicate group '{}'", *key_));
+    const std::string name = full_name(group_, *key_);
+    if (std::find(seen_groups_.begin(), seen_groups_.end(), name) != seen_groups_.end()) {
+      fail(key_line_, fmt::format("duplicate group '{}'", name));
     }
-    seen_groups_.push_back(*key_);
+    seen_groups_.push_back(name);
   }
   void take_value(const std::string& value, bool quoted, bool empty) {
     require_known_key();
-    if (level_ == Level::top && is_group(*key_)) {
+    if (level_ == Level::lidars || (level_ == Level::top && is_group(*key_))) {
       if (!empty) {
         fail(key_line_,
-             fmt::format("'{}' is a group: expected indented 'key: value' lines below it, got '{}'", *key_,
-                         printable(value)));
+             fmt::format("'{}' is a group: expected indented 'key: value' lines below it, got '{}'",
+                         full_name(group_, *key_), printable(value)));
       }
       note_group();  // all of its keys are commented out
     } else {

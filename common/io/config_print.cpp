@@ -1,6 +1,7 @@
 // Prints a configuration as YAML with a comment per key.
 #include <fmt/format.h>
 
+#include <optional>
 #include <string>
 
 #include "common/io/config.h"
@@ -13,11 +14,16 @@ namespace {
 struct Printer {
   std::string text;
   std::string group;
+  const char* indent = "";
 
   template <class Number>
   void operator()(const Field& field, Number value, const Limits<Number>& limits) {
     // fmt's {} is the shortest text that reads back as the same number.
     line(field, fmt::format("{}", value), config_text::limits_text(limits));
+  }
+  template <class Value, class Allowed>
+  void operator()(const Field& field, const std::optional<Value>& value, const Allowed& allowed) {
+    if (value) (*this)(field, *value, allowed);
   }
   void operator()(const Field& field, bool value) { line(field, value ? "true" : "false", "true or false"); }
   template <class Enum, std::size_t n>
@@ -29,7 +35,7 @@ struct Printer {
  private:
   void line(const Field& field, const std::string& value, const std::string& allowed) {
     if (group != field.group) open_group(field.group);
-    const std::string setting = fmt::format("{}{}: {}", group.empty() ? "" : "  ", field.key, value);
+    const std::string setting = fmt::format("{}{}: {}", indent, field.key, value);
     text += fmt::format("{:<36}  # {} ({})\n", setting, field.doc, allowed);
   }
   void open_group(const char* name) {
@@ -38,15 +44,34 @@ struct Printer {
       if (group == known.name) text += fmt::format("\n# {}\n", known.doc);
     }
     text += group + ":\n";
+    indent = "  ";
   }
 };
+
+/// The LiDARs' entries; without any, one that is commented out and says what it may hold.
+std::string lidars_to_yaml(const std::vector<LidarConfig>& lidars) {
+  Printer printer;
+  if (lidars.empty()) {
+    LidarConfig every{"front", 0.0,           0.0, 0.0, false, 0.1, 40.0, 100, ZeroPolicy::invalid,
+                      0.0,     StampAt::first};
+    printer.indent = "#     ";
+    visit_lidar_fields(every, "", printer);
+    return fmt::format("\n# {}\n# {}:\n#   {}:\n{}", kLidars.doc, kLidars.name, every.name, printer.text);
+  }
+  printer.indent = "    ";
+  for (const LidarConfig& lidar : lidars) {
+    printer.text += fmt::format("  {}:\n", lidar.name);
+    visit_lidar_fields(lidar, "", printer);
+  }
+  return fmt::format("\n# {}\n{}:\n{}", kLidars.doc, kLidars.name, printer.text);
+}
 
 }  // namespace
 
 std::string config_to_yaml(const FilterConfig& config) {
   Printer printer;
   visit_fields(config, printer);
-  return printer.text;
+  return printer.text + lidars_to_yaml(config.lidars);
 }
 
 }  // namespace parloc

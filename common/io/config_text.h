@@ -37,6 +37,17 @@ inline std::string printable(std::string_view text) {
   return text.size() > longest ? out + "..." : out;
 }
 
+/// What a key below `lidars` may be.
+inline constexpr const char* kLidarNames = "expected 1 to 40 letters, digits, '_' or '-'";
+inline bool is_lidar_name(std::string_view name) {
+  if (name.empty() || name.size() > 40) return false;
+  for (const char c : name) {
+    const bool letter = (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z');
+    if (!letter && !(c >= '0' && c <= '9') && c != '_' && c != '-') return false;
+  }
+  return true;
+}
+
 /// "1 to 4096", or "above 0 and at most 1".
 template <class Number>
 std::string limits_text(const Limits<Number>& limits) {

@@ -23,6 +23,10 @@ struct LimitsCheck {
       violation = {full_name(field), config_text::limits_message(field, value, limits)};
     }
   }
+  template <class Value, class Allowed>
+  void operator()(const Field& field, const std::optional<Value>& value, const Allowed& allowed) {
+    if (value) (*this)(field, *value, allowed);
+  }
   void operator()(const Field&, bool) {}
   template <class Enum, std::size_t n>
   void operator()(const Field& field, Enum value, const std::array<Choice<Enum>, n>& choices) {
@@ -44,6 +48,33 @@ std::optional<ConfigViolation> scan_violation(const ScanConfig& scan) {
     return ConfigViolation{"scan.laser_min_range",
                            fmt::format("scan.laser_min_range ({}) must be below scan.laser_max_range ({})",
                                        scan.laser_min_range, scan.laser_max_range)};
+  }
+  return std::nullopt;
+}
+
+std::optional<ConfigViolation> lidar_violation(const FilterConfig& config, std::size_t k) {
+  const LidarConfig& lidar = config.lidars[k];
+  const std::string group = lidar_group(lidar);
+  if (!config_text::is_lidar_name(lidar.name)) {
+    return ConfigViolation{group, fmt::format("lidars: '{}' is no name of a LiDAR: {}",
+                                              config_text::printable(lidar.name), config_text::kLidarNames)};
+  }
+  for (std::size_t j = 0; j < k; ++j) {
+    if (config.lidars[j].name == lidar.name)
+      return ConfigViolation{group, fmt::format("{} is there twice", group)};
+  }
+  LimitsCheck check;
+  visit_lidar_fields(lidar, group.c_str(), check);
+  if (check.violation) return check.violation;
+  if (lidar.min_range && lidar.max_range && *lidar.min_range >= *lidar.max_range) {
+    return ConfigViolation{group + ".min_range",
+                           fmt::format("{}.min_range ({}) must be below {}.max_range ({})", group,
+                                       *lidar.min_range, group, *lidar.max_range)};
+  }
+  if (lidar.max_beams && *lidar.max_beams < config.scan.min_beams) {
+    return ConfigViolation{group + ".max_beams",
+                           fmt::format("{}.max_beams ({}) must not be below scan.min_beams ({})", group,
+                                       *lidar.max_beams, config.scan.min_beams)};
   }
   return std::nullopt;
 }
@@ -84,6 +115,9 @@ std::optional<ConfigViolation> first_violation(const FilterConfig& config) {
   visit_fields(config, check);
   if (check.violation) return check.violation;
   if (auto violation = scan_violation(config.scan)) return violation;
+  for (std::size_t k = 0; k < config.lidars.size(); ++k) {
+    if (auto violation = lidar_violation(config, k)) return violation;
+  }
   return mixture_violation(config.sensor);
 }
 

@@ -11,15 +11,27 @@
 
 namespace parloc {
 
-/// One LiDAR scan. Beam i looks at angle_min_rad + i * angle_step_rad in the sensor frame.
+/// One LiDAR scan. Beam i looks at angle_min_rad + i * angle_step_rad in the sensor frame, or at
+/// bearings_rad[i] where there are any.
 struct Scan {
   double stamp_s = 0.0;
+  std::string sensor;  ///< Which LiDAR: "front", "rear", "robotlaser1"; may be empty where there is one.
   Pose T_base_sensor;
   double angle_min_rad = 0.0;
   double angle_step_rad = 0.0;
   double range_min_m = 0.0;     ///< 0: the log does not say.
   double range_max_m = 0.0;     ///< 0: the log does not say.
+  double scan_time_s = 0.0;     ///< From the first beam to the last; 0: the log does not say.
   std::vector<float> ranges_m;  ///< As recorded: may hold NaN, inf, zeros, values beyond the maximum.
+  /// Of uneven beams, one per range, unwrapped, in ascending or descending order; empty: even.
+  std::vector<double> bearings_rad;
+  /// When each beam was taken, relative to the stamp, one per range; empty: evenly over the scan's time.
+  std::vector<double> beam_times_s;
+};
+
+/// Where a beam of a scan ended: base frame at the scan's stamp.
+struct EndPoint {
+  float x_m, y_m;
 };
 
 enum class RecordKind { odometry, scan };
@@ -28,9 +40,8 @@ enum class RecordKind { odometry, scan };
 struct LogRecord {
   RecordKind kind = RecordKind::odometry;
   double stamp_s = 0.0;
-  Pose odometry;       ///< Pose of the base in the odometry frame.
-  Scan scan;           ///< For kind == scan.
-  std::string sensor;  ///< For kind == scan: "front", "rear" or "robotlaser1".
+  Pose odometry;  ///< Pose of the base in the odometry frame.
+  Scan scan;      ///< For kind == scan.
   std::size_t line = 0;
 };
 
@@ -56,7 +67,7 @@ class LogReader {
   virtual double progress() const = 0;
 };
 
-/// Opens a CARMEN text log (ODOM, FLASER, RLASER, ROBOTLASER1; PARAM robot_frontlaser_offset and
+/// Opens a CARMEN text log (ODOM, FLASER, RLASER, ROBOTLASER1 to 9; PARAM robot_frontlaser_offset and
 /// robot_rearlaser_offset; comments with #), plain or gzip (told apart by content).
 /// Throws Error{input} if the file cannot be read.
 std::unique_ptr<LogReader> open_carmen_log(const std::string& path);
@@ -64,8 +75,8 @@ std::unique_ptr<LogReader> open_carmen_log(const std::string& path);
 /// A CARMEN log already in memory, for tests and fuzzers. `name` stands for the file in messages.
 std::unique_ptr<LogReader> carmen_log_from_text(const std::string& text, const std::string& name);
 
-/// Writes one scan as a ROBOTLASER1 line (carries angles, limits and the sensor pose; ranges with 4 decimals,
-/// stamps with 6), so that open_carmen_log gives it back.
+/// Writes one scan as a ROBOTLASER line, its number that of the sensor's name, else 1 (carries angles, limits
+/// and the sensor pose; ranges with 4 decimals, stamps with 6), so that open_carmen_log gives it back.
 std::string carmen_line(const LogRecord& record);
 
 }  // namespace parloc

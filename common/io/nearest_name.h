@@ -26,4 +26,14 @@ inline std::size_t edit_distance(std::string_view a, std::string_view b) {
   return row[b.size()];
 }
 
+/// The one of `names` (not empty) that `written` is nearest to; looks at its first 100 characters, which
+/// bounds the work of a hostile name.
+template <class Names>
+std::string_view nearest_name(std::string_view written, const Names& names) {
+  const std::string_view start = written.substr(0, 100);
+  return *std::min_element(names.begin(), names.end(), [&](std::string_view a, std::string_view b) {
+    return edit_distance(start, a) < edit_distance(start, b);
+  });
+}
+
 }  // namespace parloc

@@ -6,6 +6,7 @@
 #include "common/error.h"
 #include "common/io/canvas.h"
 #include "common/io/html_text.h"
+#include "common/io/map_drawing.h"
 #include "common/io/map_view.h"
 #include "common/io/output_file.h"
 #include "common/io/picture_style.h"
@@ -17,17 +18,6 @@ namespace parloc {
 namespace {
 
 constexpr std::int32_t least_px = 1100, most_px = 2000;
-
-void draw_cells(Canvas& canvas, const GridMap& map, const MapView& view) {
-  const std::vector<Cell> cells = raster(map, view);
-  std::size_t at = 0;
-  for (std::int32_t y = 0; y < view.height_px; ++y) {
-    for (std::int32_t x = 0; x < view.width_px; ++x) {
-      const Cell cell = cells[at++];
-      canvas.set(x, y, cell == Cell::occupied ? ink : cell == Cell::free ? white : unknown_colour);
-    }
-  }
-}
 
 /// The dashes of a line that has come `travelled` pixels so far, cut where dash and gap meet. A segment of
 /// more than `kLongest` dashes is drawn solid: it is a jump far outside the picture, and must not cost its
@@ -201,21 +191,6 @@ void draw_strip(Canvas& canvas, const Strip& strip, std::int32_t top) {
   }
 }
 
-/// In the lower left corner of the map, on a pale plate so that it can be read on walls.
-void draw_scale_bar(Canvas& canvas, const MapView& view) {
-  const double length_m = scale_bar_m(view);
-  const double length_px = length_m / view.pixel_m();
-  const std::string label = number_text(length_m, 4) + " m";
-  const std::int32_t text_px = Canvas::text_width(label, text_scale);
-  const double wide = std::max<double>(length_px, text_px);
-  const double left = margin_px, bottom = view.height_px - margin_px;
-  canvas.rectangle(left - 8, bottom - 32, left + wide + 8, bottom + 8, {255, 255, 255, 220});
-  canvas.rectangle(left, bottom - 4, left + length_px, bottom, ink);
-  canvas.text(
-      static_cast<std::int32_t>(left + (length_px - text_px) / 2 + std::max(0.0, (text_px - length_px) / 2)),
-      static_cast<std::int32_t>(bottom) - 26, label, text_scale, ink);
-}
-
 }  // namespace
 
 void write_picture(const std::string& path, const RunReport& report) {
@@ -225,7 +200,7 @@ void write_picture(const std::string& path, const RunReport& report) {
   const Strip strip = legend_strip(report, view.width_px);
   const std::int32_t strip_px = strip.items.empty() ? 0 : strip.lines * line_px + margin_px;
   Canvas map(view.width_px, view.height_px, white);
-  if (report.map != nullptr) draw_cells(map, *report.map, view);
+  if (report.map != nullptr) draw_cells(map, *report.map, view, ink);
   draw_paths_and_clouds(map, report, view);
   draw_scale_bar(map, view);
 

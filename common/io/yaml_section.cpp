@@ -221,6 +221,15 @@ void YamlSection::text(const std::string& key, std::string& target) {
   target = node(key).Scalar();
 }
 
+void YamlSection::boolean(const std::string& key, bool& target) {
+  if (!has(key)) return;
+  const YAML::Node value = node(key);
+  const bool plain = value.IsScalar() && value.Tag() != "!";
+  if (!plain || (value.Scalar() != "true" && value.Scalar() != "false"))
+    throw error(key, fmt::format("must be true or false, got {}", described(value)));
+  target = value.Scalar() == "true";
+}
+
 std::size_t YamlSection::choice_index(const std::string& key, const std::vector<std::string>& names) {
   const YAML::Node value = node(key);
   for (std::size_t i = 0; i < names.size(); ++i) {
@@ -242,6 +251,17 @@ void YamlSection::numbers(const std::string& key, double* target, std::size_t co
 
 YamlSection YamlSection::section(const std::string& key) {
   return YamlSection(node(key), file_, full_name(key));
+}
+
+std::vector<YamlSection> YamlSection::sections(const std::string& key) {
+  std::vector<YamlSection> list;
+  const YAML::Node nodes = node(key);
+  if (!nodes.IsDefined()) return list;
+  if (!nodes.IsSequence())
+    throw error(key, fmt::format("must be a list of groups, got {}", described(nodes)));
+  for (std::size_t k = 0; k < nodes.size(); ++k)
+    list.emplace_back(nodes[k], file_, fmt::format("{}[{}]", full_name(key), k));
+  return list;
 }
 
 void YamlSection::finish() const {

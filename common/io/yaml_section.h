@@ -28,6 +28,7 @@ class YamlSection {
   void integer(const std::string& key, int& target, int low, int high);
   void seed(const std::string& key, std::uint64_t& target);
   void text(const std::string& key, std::string& target);
+  void boolean(const std::string& key, bool& target);
   /// One of the names; the target becomes its value.
   template <class Enum>
   void choice(const std::string& key, Enum& target, const std::vector<std::pair<const char*, Enum>>& names) {
@@ -39,6 +40,8 @@ class YamlSection {
   /// A list of exactly `count` finite numbers.
   void numbers(const std::string& key, double* target, std::size_t count);
   YamlSection section(const std::string& key);
+  /// A list of mappings, named key[0], key[1], ...; empty if the key is absent.
+  std::vector<YamlSection> sections(const std::string& key);
   /// The value as it stands: an undefined node if the key is absent.
   YAML::Node node(const std::string& key);
 

@@ -9,4 +9,7 @@ namespace parloc {
 /// float32.
 inline constexpr std::int32_t kMaxMapSide = 32767;
 
+/// The finest and the coarsest cells [m].
+inline constexpr double kFinestResolution_m = 1e-4, kCoarsestResolution_m = 1e3;
+
 }  // namespace parloc

@@ -4,16 +4,15 @@
 
 #include <algorithm>
 #include <array>
-#include <cerrno>
-#include <cstring>
 #include <filesystem>
-#include <fstream>
 #include <string_view>
 
 #include "common/error.h"
+#include "common/io/input_file.h"
 #include "common/io/output_file.h"
 #include "common/map/map_limits.h"
 #include "common/map/map_yaml.h"
+#include "common/map/segment_map.h"
 
 namespace parloc {
 namespace {
@@ -21,27 +20,6 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr std::string_view kPngSignature = "\x89PNG\r\n\x1a\n";
-constexpr std::uintmax_t kWholeFile = static_cast<std::uintmax_t>(-1);
-
-/// The file, but at most its first `longest` bytes. Throws Error{input} with `where` in front of the reason;
-/// a folder or a device is not read.
-std::string read_file(const std::string& path, const std::string& where, std::uintmax_t longest) {
-  const auto fail = [&](const std::string& reason) { throw Error(ErrorKind::input, where + ": " + reason); };
-  std::error_code status;
-  const bool regular = fs::is_regular_file(path, status);
-  if (status) fail("cannot be opened: " + status.message());
-  if (!regular) fail("cannot be read: expected a file");
-  std::ifstream file(path, std::ios::binary);
-  if (!file) fail(std::string("cannot be opened: ") + std::strerror(errno));
-  const std::uintmax_t size = fs::file_size(path, status);
-  if (status) fail("cannot be read: " + status.message());
-  std::string bytes(static_cast<std::size_t>(std::min(size, longest)), '\0');
-  file.read(bytes.data(), static_cast<std::streamsize>(bytes.size()));
-  if (static_cast<std::size_t>(file.gcount()) != bytes.size()) {
-    fail(fmt::format("cannot be read: expected {} bytes, found {}", bytes.size(), file.gcount()));
-  }
-  return bytes;
-}
 
 GreyImage image_from_bytes(const std::string& bytes, const std::string& name) {
   const auto* data = reinterpret_cast<const std::uint8_t*>(bytes.data());
@@ -100,6 +78,14 @@ GridMap grid_of_image(const GreyImage& image, const MapYaml& yaml, const std::st
   return map;
 }
 
+GridMap image_map(const std::string& text, const std::string& yaml_path) {
+  const MapYaml yaml = map_yaml_from_text(text, yaml_path);
+  const std::string image_path = (fs::path(yaml_path).parent_path() / yaml.image).string();
+  const std::string bytes =
+      read_input_file(image_path, fmt::format("{}:{}: image {}", yaml_path, yaml.image_line, image_path));
+  return grid_of_image(image_from_bytes(bytes, image_path), yaml, yaml_path);
+}
+
 std::string pgm_of_map(const GridMap& map) {
   std::string bytes = fmt::format("P5\n{} {}\n255\n", map.width, map.height);
   bytes.reserve(bytes.size() + map.size());
@@ -153,15 +139,13 @@ void check_writable(const std::string& yaml_path, const fs::path& image_path, co
 }  // namespace
 
 GreyImage read_image(const std::string& path) {
-  return image_from_bytes(read_file(path, path, kWholeFile), path);
+  return image_from_bytes(read_input_file(path, path), path);
 }
 
-GridMap read_map(const std::string& yaml_path) {
-  const MapYaml yaml = map_yaml_from_text(read_file(yaml_path, yaml_path, kLongestMapYaml + 1), yaml_path);
-  const std::string image_path = (fs::path(yaml_path).parent_path() / yaml.image).string();
-  const std::string bytes = read_file(
-      image_path, fmt::format("{}:{}: image {}", yaml_path, yaml.image_line, image_path), kWholeFile);
-  return grid_of_image(image_from_bytes(bytes, image_path), yaml, yaml_path);
+GridMap read_map(const std::string& path) {
+  const std::string text = read_input_file(path, path, kLongestSegmentFile + 1);
+  if (!is_segment_text(text, path)) return image_map(text, path);
+  return place_segments(segment_map_from_text(text, path), path).map;
 }
 
 void write_map(const std::string& yaml_path, const GridMap& map) {

@@ -1,4 +1,5 @@
-// Reads and writes ROS map_server maps: a YAML file beside a PGM or PNG image.
+// Reads maps: ROS map_server maps (a YAML file beside a PGM or PNG image) and segment maps (YAML or GeoJSON).
+// Writes the former.
 #pragma once
 
 #include <cstdint>
@@ -20,7 +21,9 @@ struct GreyImage {
 /// Throws Error{input} naming file (and line, where there is one) and what was expected: an unknown key, a
 /// missing image, a resolution that is not positive, thresholds out of order, an unknown mode, a truncated
 /// image. mode trinary (default), scale and raw as in nav2 map_server; `negate` and origin yaw are honoured.
-GridMap read_map(const std::string& yaml_path);
+/// A segment map (common/map/segment_map.h), told by its content or by the endings .geojson and .json, has
+/// walls too.
+GridMap read_map(const std::string& path);
 
 /// Reads P2 and P5 PGM with any maxval up to 65535, or PNG of any depth and colour type, told apart by
 /// content.

@@ -17,6 +17,7 @@
 
 #include "common/error.h"
 #include "common/io/nearest_name.h"
+#include "common/map/map_limits.h"
 #include "common/math/portable64.h"
 
 namespace parloc {
@@ -37,14 +38,6 @@ std::string printable(std::string_view text) {
   std::replace_if(
       out.begin(), out.end(), [](char c) { return static_cast<unsigned char>(c) < 0x20 || c == 0x7f; }, '?');
   return text.size() > longest ? out + "..." : out;
-}
-
-std::string nearest_key(std::string_view key) {
-  const std::string_view start = key.substr(0, 100);  // bounds the work that a hostile key makes
-  return std::string(
-      *std::min_element(kKeys.begin(), kKeys.end(), [&](std::string_view a, std::string_view b) {
-        return edit_distance(start, a) < edit_distance(start, b);
-      }));
 }
 
 void refuse_other_files(const std::string& text, const std::string& name) {
@@ -124,8 +117,8 @@ class EntryCollector : public YAML::EventHandler {
   }
   void add_key(const YAML::Mark& mark, const std::string& key) {
     if (std::find(kKeys.begin(), kKeys.end(), key) == kKeys.end()) {
-      fail(mark,
-           fmt::format("unknown key '{}'; the nearest valid key is '{}'", printable(key), nearest_key(key)));
+      fail(mark, fmt::format("unknown key '{}'; the nearest valid key is '{}'", printable(key),
+                             nearest_name(key, kKeys)));
     }
     for (const Entry& earlier : entries) {
       if (earlier.key == key)
@@ -254,7 +247,7 @@ MapYaml map_yaml_from_text(const std::string& text, const std::string& name) {
   MapYaml yaml;
   yaml.image = document.text("image");
   yaml.image_line = document.line("image");
-  yaml.resolution_m = document.number("resolution", 1e-4, 1e3);
+  yaml.resolution_m = document.number("resolution", kFinestResolution_m, kCoarsestResolution_m);
   yaml.T_map_grid = document.origin();
   yaml.negate = document.flag("negate");
   yaml.occupied_thresh = document.number("occupied_thresh", 0.0, 1.0);

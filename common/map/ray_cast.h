@@ -15,6 +15,20 @@
 
 namespace parloc {
 
+/// From a along e, in cells.
+struct Wall {
+  float ax, ay, ex, ey;
+};
+
+/// Walls that are segments, and which of them pass a cell (common/map/wall_index.h). count 0: walls are
+/// cells.
+struct Walls {
+  const Wall* wall = nullptr;
+  const std::uint32_t* id = nullptr;
+  const std::uint32_t* first = nullptr;
+  std::uint32_t count = 0;
+};
+
 /// What a ray needs of a map. `skip` points at cell (0, 0) of the first plane of a skip field
 /// (common/map/skip_field.h): how far to leap; 0 on blocking cells and on the ring around the grid.
 struct RayMap {
@@ -25,6 +39,7 @@ struct RayMap {
   float resolution_m = 0.0f;
   float inv_resolution = 0.0f;
   std::int32_t skip_plane = 0;  ///< Bytes between the planes of two sectors; 0: one plane for all directions.
+  Walls walls;  ///< If there are any, a blocking cell is one where a ray has to look for them.
 
   PARLOC_HD std::int32_t skip_at(std::int32_t i, std::int32_t j) const {
     return skip[static_cast<std::int64_t>(j) * stride + i];
@@ -156,9 +171,8 @@ PARLOC_HD RayHit cast_dda(const RayMap& m, const Ray& r, float reach_cells) {
 /// The same cells, leaping as many lines of the ray's main axis as the skip field promises. Exact: a leap
 /// ends at a grid crossing, and the other axis' index at that crossing is decided by its own crossings
 /// (index_at). A leap of one line may cross into the next row first: that is a step of its own, for its cell
-/// may block.
-PARLOC_HD RayHit cast_skip(const RayMap& m, const Ray& r, float reach_cells) {
-  const RayStart s = start_cell(m, r, reach_cells);
+/// may block. From `s`, a cell that the ray passes.
+PARLOC_HD RayHit skip_from(const RayMap& m, const Ray& r, const RayStart& s, float reach_cells) {
   if (!s.inside) return {0, 0, false};
   const std::int32_t octant = octant_of(r.dx, r.dy);
   const bool steep = (octant & 4) != 0;
@@ -187,6 +201,10 @@ PARLOC_HD RayHit cast_skip(const RayMap& m, const Ray& r, float reach_cells) {
     line = next;
     other = other_next;
   }
+}
+
+PARLOC_HD RayHit cast_skip(const RayMap& m, const Ray& r, float reach_cells) {
+  return skip_from(m, r, start_cell(m, r, reach_cells), reach_cells);
 }
 
 /// cast_fixed_step for rays that start outside or take long steps: every point is tested against the grid.

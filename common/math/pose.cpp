@@ -21,4 +21,31 @@ Pose inverse(const Pose& a) {
   return relative(Pose{}, a);
 }
 
+namespace {
+
+/// Means of cos and sin over the angles from 0 to a: a unit way along an arc that turns by a ends there.
+SinCos64 mean_direction(double a) {
+  // Below it the series is exact to the last bit; above it nothing cancels.
+  constexpr double small_rad = 1e-2;
+  if (a > -small_rad && a < small_rad) {
+    const double z = a * a;
+    return {a * (0.5 - z * (1.0 / 24.0 - z / 720.0)), 1.0 - z * (1.0 / 6.0 - z / 120.0)};
+  }
+  const SinCos64 half = portable_sincos64(0.5 * a);
+  return {2.0 * half.sin * half.sin / a, 2.0 * half.sin * half.cos / a};
+}
+
+}  // namespace
+
+Pose along_arc(const Pose& step, double part) {
+  // The velocity, in the moving body's frame, that makes the whole step in one unit of time.
+  const SinCos64 whole = mean_direction(step.theta_rad);
+  const double scale = 1.0 / (whole.cos * whole.cos + whole.sin * whole.sin);
+  const double forward_m = (whole.cos * step.x_m + whole.sin * step.y_m) * scale;
+  const double left_m = (whole.cos * step.y_m - whole.sin * step.x_m) * scale;
+  const SinCos64 some = mean_direction(part * step.theta_rad);
+  return {part * (some.cos * forward_m - some.sin * left_m),
+          part * (some.sin * forward_m + some.cos * left_m), wrap64(part * step.theta_rad)};
+}
+
 }  // namespace parloc

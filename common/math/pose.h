@@ -20,4 +20,9 @@ Pose relative(const Pose& a, const Pose& b);
 /// compose(inverse(a), a) is the identity.
 Pose inverse(const Pose& a);
 
+/// Where a body is after `part` of a step, at constant speed and turn rate: on the circle (or line) from the
+/// identity to `step`, which turns by less than half a turn. `part` may lie outside [0, 1]. Exactly the
+/// identity for part 0 and for a step of nothing.
+Pose along_arc(const Pose& step, double part);
+
 }  // namespace parloc

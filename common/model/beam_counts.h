@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstddef>
+#include <string>
 
 namespace parloc {
 
@@ -12,6 +13,20 @@ struct BeamCounts {
   std::size_t used = 0;        ///< Gave evidence.
   std::size_t misses = 0;      ///< Among the considered: at or above the maximum, or +inf.
   std::size_t nan = 0, infinite = 0, negative = 0, zero = 0, below_min = 0;  ///< Rejected, by reason.
+
+  std::size_t rejected() const { return nan + infinite + negative + below_min + zero; }
+};
+
+/// What became of one LiDAR's scans over a run.
+struct LidarUse {
+  std::string name;                       ///< As the log calls it.
+  int max_beams = 0;                      ///< In force for it.
+  std::size_t scans = 0;                  ///< Whose beams were looked at.
+  std::size_t too_few = 0;                ///< Of these, with fewer usable beams than min_beams: not weighed.
+  std::size_t smallest = 0, largest = 0;  ///< Beams of a scan.
+  std::size_t moving = 0;                 ///< Scans that took time: every beam from where it was taken.
+  std::size_t unknown_motion = 0;  ///< Took time, but no odometry tells the motion: taken as an instant.
+  BeamCounts beams;
 };
 
 }  // namespace parloc

@@ -12,8 +12,7 @@ namespace {
 
 enum class BeamClass { invalid, hit, miss };
 
-BeamClass classify(float range_m, double range_min_m, double range_max_m, ZeroPolicy zero,
-                   BeamCounts& counts) {
+BeamClass classify(float range_m, const LidarSetup& setup, BeamCounts& counts) {
   if (std::isnan(range_m)) return ++counts.nan, BeamClass::invalid;
   if (std::isinf(range_m)) {
     if (range_m > 0) return ++counts.misses, BeamClass::miss;
@@ -21,30 +20,88 @@ BeamClass classify(float range_m, double range_min_m, double range_max_m, ZeroPo
   }
   if (range_m < 0) return ++counts.negative, BeamClass::invalid;
   if (range_m == 0) {
-    ++counts.zero;
-    return zero == ZeroPolicy::miss ? BeamClass::miss : BeamClass::invalid;
+    if (setup.zero_policy == ZeroPolicy::miss) return ++counts.misses, BeamClass::miss;
+    return ++counts.zero, BeamClass::invalid;
   }
-  if (range_m < range_min_m) return ++counts.below_min, BeamClass::invalid;
-  if (range_m >= range_max_m) return ++counts.misses, BeamClass::miss;
+  if (range_m < setup.range_min_m) return ++counts.below_min, BeamClass::invalid;
+  if (range_m >= setup.range_max_m) return ++counts.misses, BeamClass::miss;
   return BeamClass::hit;
 }
 
-struct SensorFrame {
-  double x_m, y_m, yaw_rad, inv_resolution;
+/// Goes through the indices of the beams to take, in ascending order.
+class EvenInAngle {
+ public:
+  EvenInAngle(const Scan& scan, int max_beams)
+      : bearings_(scan.bearings_rad),
+        total_(scan.ranges_m.size()),
+        parts_(std::min(total_, static_cast<std::size_t>(max_beams))) {
+    if (bearings_.size() > 1)
+      spacing_rad_ = (bearings_.back() - bearings_.front()) / static_cast<double>(total_ - 1);
+  }
+
+  /// False when there is none left.
+  bool next(std::size_t& index) {
+    while (part_ < parts_) {
+      const std::size_t i = last_at_or_before(part_++);
+      if (taken_ > 0 && i == last_) continue;  // this part has no beam of its own
+      ++taken_;
+      index = last_ = i;
+      return true;
+    }
+    return false;
+  }
+  std::size_t taken() const { return taken_; }
+
+ private:
+  std::size_t last_at_or_before(std::size_t part) {
+    if (spacing_rad_ == 0.0) return part * total_ / parts_;
+    // In units of the mean spacing, so that even beams lie at whole numbers, but for their rounding.
+    constexpr double rounding = 1e-6;
+    const double begins =
+        static_cast<double>(part) * static_cast<double>(total_) / static_cast<double>(parts_) + rounding;
+    while (walked_ + 1 < total_ && (bearings_[walked_ + 1] - bearings_[0]) / spacing_rad_ <= begins)
+      ++walked_;
+    return walked_;
+  }
+
+  const std::vector<double>& bearings_;
+  std::size_t total_, parts_;
+  std::size_t part_ = 0, taken_ = 0, last_ = 0, walked_ = 0;
+  double spacing_rad_ = 0.0;  // 0: even, as far as is known
 };
 
-void append_beam(BeamTable& t, const SensorFrame& f, double bearing_rad, float range_m,
-                 const SensorConfig& sensor) {
-  const SinCos64 a = portable_sincos64(wrap64(f.yaw_rad + bearing_rad));
-  t.origin_x.push_back(static_cast<float>(f.x_m));
-  t.origin_y.push_back(static_cast<float>(f.y_m));
-  t.direction_x.push_back(static_cast<float>(a.cos));
-  t.direction_y.push_back(static_cast<float>(a.sin));
+/// A beam in the base frame at the scan's stamp.
+struct PlacedBeam {
+  double x_m, y_m;
+  SinCos64 direction;
+
+  double end_x_m(double range_m) const { return x_m + range_m * direction.cos; }
+  double end_y_m(double range_m) const { return y_m + range_m * direction.sin; }
+};
+
+PlacedBeam place_beam(const Scan& scan, const LidarSetup& setup, const OdometryTrack* track, std::size_t i) {
+  const Pose& sensor = setup.T_base_sensor;
+  const double bearing_rad = beam_bearing_rad(scan, setup, i);
+  if (track == nullptr)
+    return {sensor.x_m, sensor.y_m, portable_sincos64(wrap64(sensor.theta_rad + bearing_rad))};
+  const Pose moved = track->motion(scan.stamp_s, scan.stamp_s + beam_time_s(scan, setup, i));
+  const SinCos64 r = portable_sincos64(moved.theta_rad);
+  return {moved.x_m + r.cos * sensor.x_m - r.sin * sensor.y_m,
+          moved.y_m + r.sin * sensor.x_m + r.cos * sensor.y_m,
+          portable_sincos64(wrap64(moved.theta_rad + sensor.theta_rad + bearing_rad))};
+}
+
+void append_beam(BeamTable& t, const PlacedBeam& beam, float range_m, const SensorConfig& sensor,
+                 double inv_resolution) {
+  t.origin_x.push_back(static_cast<float>(beam.x_m));
+  t.origin_y.push_back(static_cast<float>(beam.y_m));
+  t.direction_x.push_back(static_cast<float>(beam.direction.cos));
+  t.direction_y.push_back(static_cast<float>(beam.direction.sin));
   t.range_m.push_back(range_m);
   const float lambda = static_cast<float>(sensor.lambda_short);
   t.short_density.push_back(static_cast<float>(sensor.z_short) * lambda * portable_exp(-lambda * range_m));
-  t.end_x.push_back(static_cast<float>((f.x_m + range_m * a.cos) * f.inv_resolution));
-  t.end_y.push_back(static_cast<float>((f.y_m + range_m * a.sin) * f.inv_resolution));
+  t.end_x.push_back(static_cast<float>(beam.end_x_m(range_m) * inv_resolution));
+  t.end_y.push_back(static_cast<float>(beam.end_y_m(range_m) * inv_resolution));
 }
 
 void clear(BeamTable& t) {
@@ -70,36 +127,46 @@ void measure_origins(BeamTable& t) {
   t.origin_reach_m = reach_m * 1.001f;
 }
 
-void select_beams(const Scan& scan, const ScanConfig& config, const SensorConfig& sensor, double resolution_m,
-                  BeamTable& table, BeamCounts& counts) {
+void select_beams(const Scan& scan, const LidarSetup& setup, const OdometryTrack* track,
+                  const SensorConfig& sensor, double resolution_m, BeamTable& table, BeamCounts& counts) {
   clear(table);
-  const double range_min_m = scan.range_min_m > 0 ? scan.range_min_m : config.laser_min_range;
-  const double range_max_m = scan.range_max_m > 0 ? scan.range_max_m : config.laser_max_range;
-  table.range_max_m = static_cast<float>(range_max_m);
-  const SensorFrame frame{scan.T_base_sensor.x_m, scan.T_base_sensor.y_m, scan.T_base_sensor.theta_rad,
-                          1.0 / resolution_m};
-
-  const std::size_t total = scan.ranges_m.size();
-  const std::size_t wanted = static_cast<std::size_t>(config.max_beams);
-  const std::size_t considered = total < wanted ? total : wanted;
-  counts.total += total;
-  counts.considered += considered;
+  table.range_max_m = static_cast<float>(setup.range_max_m);
+  const double inv_resolution = 1.0 / resolution_m;
+  counts.total += scan.ranges_m.size();
 
   // Hits first, misses behind them: two straight loops for the models, no branch per beam.
   for (const BeamClass pass : {BeamClass::hit, BeamClass::miss}) {
     BeamCounts ignored;
-    for (std::size_t k = 0; k < considered; ++k) {
-      const std::size_t i = k * total / considered;
-      BeamCounts& c = pass == BeamClass::hit ? counts : ignored;  // count each beam once
-      if (classify(scan.ranges_m[i], range_min_m, range_max_m, config.zero_policy, c) != pass) continue;
-      const double bearing_rad = scan.angle_min_rad + static_cast<double>(i) * scan.angle_step_rad;
-      append_beam(table, frame, bearing_rad, pass == BeamClass::hit ? scan.ranges_m[i] : table.range_max_m,
-                  sensor);
+    BeamCounts& c = pass == BeamClass::hit ? counts : ignored;  // count each beam once
+    EvenInAngle chosen(scan, setup.max_beams);
+    std::size_t i = 0;
+    while (chosen.next(i)) {
+      if (classify(scan.ranges_m[i], setup, c) != pass) continue;
+      append_beam(table, place_beam(scan, setup, track, i),
+                  pass == BeamClass::hit ? scan.ranges_m[i] : table.range_max_m, sensor, inv_resolution);
     }
+    c.considered += chosen.taken();
     if (pass == BeamClass::hit) table.hits = table.range_m.size();
   }
   table.count = table.range_m.size();
   measure_origins(table);
+}
+
+void select_beams(const Scan& scan, const ScanConfig& config, const SensorConfig& sensor, double resolution_m,
+                  BeamTable& table, BeamCounts& counts) {
+  select_beams(scan, lidar_setup(scan, config), nullptr, sensor, resolution_m, table, counts);
+}
+
+std::vector<EndPoint> end_points(const Scan& scan, const LidarSetup& setup, const OdometryTrack* track) {
+  std::vector<EndPoint> points;
+  BeamCounts ignored;
+  for (std::size_t i = 0; i < scan.ranges_m.size(); ++i) {
+    const float range_m = scan.ranges_m[i];
+    if (classify(range_m, setup, ignored) != BeamClass::hit) continue;
+    const PlacedBeam beam = place_beam(scan, setup, track, i);
+    points.push_back({static_cast<float>(beam.end_x_m(range_m)), static_cast<float>(beam.end_y_m(range_m))});
+  }
+  return points;
 }
 
 namespace {

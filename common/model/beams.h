@@ -9,6 +9,8 @@
 #include "common/filter/config.h"
 #include "common/io/log.h"
 #include "common/model/beam_counts.h"
+#include "common/model/lidar.h"
+#include "common/model/odometry_track.h"
 #include "common/model/scan_shape.h"
 
 namespace parloc {
@@ -26,11 +28,21 @@ struct BeamTable : ScanShape {
   std::vector<float> end_x, end_y;   ///< [cells]
 };
 
-/// Decimates to max_beams at evenly spaced indices floor(k M / B), then classifies (SPEC 0.3); adds to
-/// `counts`. Fills `table`, whose vectors keep their capacity: no allocation once they have grown.
+/// Takes B = max_beams of a scan's M beams evenly in angle, then classifies them (SPEC 0.3); adds to
+/// `counts`. The field of view is cut into B equal parts, and each gives the last beam at or before its
+/// beginning: with even beams those of the indices floor(k M / B). Where uneven beams leave a part without
+/// one of its own, none is taken twice: fewer than B are `considered`. With a track, every beam starts and
+/// points as it did at its own time, seen from the base at the scan's stamp; without, the scan was taken in
+/// an instant. Fills `table`, whose vectors keep their capacity: no allocation once they have grown.
 /// Deterministic on every machine (no libm but sqrt, floor, rint, fma).
+void select_beams(const Scan& scan, const LidarSetup& setup, const OdometryTrack* track,
+                  const SensorConfig& sensor, double resolution_m, BeamTable& table, BeamCounts& counts);
+/// The same for a scan of which no more is known than it says, taken in an instant.
 void select_beams(const Scan& scan, const ScanConfig& scan_config, const SensorConfig& sensor,
                   double resolution_m, BeamTable& table, BeamCounts& counts);
+
+/// Where all beams that hit something ended, decimation apart, by the same rules; for pictures.
+std::vector<EndPoint> end_points(const Scan& scan, const LidarSetup& setup, const OdometryTrack* track);
 
 /// Fills in what the shape says of the origins.
 void measure_origins(BeamTable& table);

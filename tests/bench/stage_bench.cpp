@@ -9,6 +9,7 @@
 #include <benchmark/benchmark.h>
 
 #include <chrono>
+#include <map>
 #include <memory>
 #include <string>
 #include <vector>
@@ -53,19 +54,53 @@ const Place& hall() {
   return place;
 }
 
+/// A hall of the same size whose 64 walls are segments: the outline and 15 boxes; each cut into `pieces`.
+const Place& hall_of_segments(int pieces) {
+  static std::map<int, Place> places;
+  Place& p = places[pieces];
+  if (!p.map.walls.empty()) return p;
+  p = hall();
+  p.map.cells.assign(p.map.size(), Cell::free);
+  const auto wall = [&](float ax, float ay, float bx, float by) {
+    for (int k = 0; k < pieces; ++k) {
+      const float from = static_cast<float>(k) / static_cast<float>(pieces);
+      const float to = static_cast<float>(k + 1) / static_cast<float>(pieces);
+      p.map.walls.push_back(
+          {ax + from * (bx - ax), ay + from * (by - ay), ax + to * (bx - ax), ay + to * (by - ay)});
+    }
+  };
+  const auto box = [&](float x, float y, float width, float height) {
+    wall(x, y, x + width, y), wall(x + width, y, x + width, y + height);
+    wall(x + width, y + height, x, y + height), wall(x, y + height, x, y);
+  };
+  box(0.125f, 0.125f, 19.75f, 9.75f);  // as read_map lays its grid: round coordinates in the middle of cells
+  for (int i = 0; i < 5; ++i)
+    for (int j = 0; j < 3; ++j)
+      box(1.525f + 4.0f * static_cast<float>(i), 1.025f + 3.4f * static_cast<float>(j), 0.6f, 0.4f);
+  for (std::size_t k = 0; k < p.scan.ranges_m.size(); ++k) {
+    const double bearing_rad = p.scan.angle_min_rad + static_cast<double>(k) * p.scan.angle_step_rad;
+    const Pose ray = compose(compose(p.pose, p.scan.T_base_sensor), {0, 0, bearing_rad});
+    const SimulatedHit hit = cast_simulated_ray(p.map, ray.x_m, ray.y_m, ray.theta_rad, p.scan.range_max_m);
+    p.scan.ranges_m[k] = static_cast<float>(hit.range_m);
+  }
+  return p;
+}
+
 struct Case {
   BackendChoice backend = BackendChoice::cpu;
   SensorConfig sensor;
   std::int64_t particles = 0;
   int beams = 0;
   int threads = 1;
+  int pieces = 0;  ///< 0: the hall as a grid; else of segments, each wall cut into as many.
+  const Place& place() const { return pieces == 0 ? hall() : hall_of_segments(pieces); }
 };
 
 /// A backend with the map, a scan and a cloud of particles.
 class Rig {
  public:
   explicit Rig(const Case& c) : config_(c) {
-    const Place& place = hall();
+    const Place& place = c.place();
     BackendConfig config;
     config.particles = c.particles;
     config.threads = c.threads;
@@ -276,6 +311,17 @@ void add_backend(BackendChoice backend, int threads) {
     for (const RayCaster caster : {RayCaster::skip, RayCaster::dda, RayCaster::fixed_step})
       add_sensor_stages(c, model, caster);
   add_sensor_stages(c, SensorModel::likelihood_field, RayCaster::skip);
+  for (const RayCaster caster : {RayCaster::skip, RayCaster::dda}) {  // dda: tries every wall
+    for (const int pieces : {1, 156}) {                               // 64 and 9984 walls
+      if (caster == RayCaster::dda && pieces > 1) continue;
+      Case segments = c;
+      segments.pieces = pieces;
+      segments.sensor.caster = caster;
+      const std::string walls = std::string("/walls:") + std::to_string(64 * pieces) + "/" + name_of(caster);
+      add("weight/gaussian" + walls, weight, segments, kUsual);
+      add("step/gaussian" + walls, step, segments, kUsual);
+    }
+  }
 }
 
 bool cuda_answers() {

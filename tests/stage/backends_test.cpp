@@ -28,6 +28,15 @@ GridMap small_room() {
   return grid_from_text(rows, 0.05, {-1.0, 2.0, 0.3});
 }
 
+/// The room with a box of three walls, a slanted wall, a wall along a grid line and one that comes twice.
+GridMap room_of_segments() {
+  GridMap map = small_room();
+  map.walls = {{0.1f, 0.1f, 5.4f, 0.1f}, {5.4f, 0.1f, 5.4f, 2.9f}, {5.4f, 2.9f, 0.1f, 2.9f},
+               {0.1f, 2.9f, 0.1f, 0.1f}, {1.5f, 0.7f, 2.3f, 1.9f}, {3.0f, 1.0f, 3.0f, 2.5f},
+               {3.0f, 1.0f, 3.0f, 2.5f}, {4.1f, 0.1f, 3.6f, 0.9f}};
+  return map;
+}
+
 Scan fan(std::size_t beams) {
   Scan s;
   s.T_base_sensor = {0.1, -0.05, 0.2};
@@ -57,8 +66,8 @@ struct Trace {
   std::vector<StepState> states;
 };
 
-Trace run(Backend& backend, const BackendConfig& config, std::int64_t particles, bool fused) {
-  const GridMap map = small_room();
+Trace run(Backend& backend, const BackendConfig& config, std::int64_t particles, bool fused,
+          const GridMap& map = small_room()) {
   backend.set_map(map);
   BeamTable beams;
   BeamCounts counts;
@@ -123,6 +132,7 @@ struct Case {
   FieldLookup lookup;
   ResampleScheme scheme;
   const char* name;
+  bool segments = false;
 };
 
 class Backends : public testing::TestWithParam<Case> {
@@ -146,8 +156,9 @@ class Backends : public testing::TestWithParam<Case> {
   }
   Trace cpu(std::int64_t particles, int threads, bool fused = true) const {
     const auto backend = make_cpu_backend(config(particles, threads));
-    return run(*backend, config(particles, threads), particles, fused);
+    return run(*backend, config(particles, threads), particles, fused, map());
   }
+  GridMap map() const { return GetParam().segments ? room_of_segments() : small_room(); }
 };
 
 // Around block edges (1024, 256), one particle, and enough to use every thread.
@@ -157,7 +168,7 @@ TEST_P(Backends, KernelBodiesOnTheHostEqualTheOpenMpTwin) {
   for (const std::int64_t n : kCounts) {
     SCOPED_TRACE(n);
     const auto kernels = cuda_on_host::make_backend_on_host(config(n, 1));
-    expect_same(cpu(n, 1), run(*kernels, config(n, 1), n, true));
+    expect_same(cpu(n, 1), run(*kernels, config(n, 1), n, true, map()));
   }
 }
 
@@ -193,7 +204,7 @@ TEST_P(Backends, GpuEqualsCpu) {
     if (required != nullptr && std::strcmp(required, "1") == 0) FAIL() << e.what();
     GTEST_SKIP() << e.what();
   }
-  expect_same(cpu(9001, 2), run(*gpu, config(9001, 1), 9001, true));
+  expect_same(cpu(9001, 2), run(*gpu, config(9001, 1), 9001, true, map()));
 }
 
 INSTANTIATE_TEST_SUITE_P(
@@ -215,16 +226,25 @@ INSTANTIATE_TEST_SUITE_P(
         Case{SensorModel::likelihood_field_prob, RayCaster::skip, FieldLookup::bilinear,
              ResampleScheme::systematic, "field_prob"},
         Case{SensorModel::likelihood_field_prob, RayCaster::skip, FieldLookup::nearest,
-             ResampleScheme::stratified, "field_prob_nearest"}),
+             ResampleScheme::stratified, "field_prob_nearest"},
+        Case{SensorModel::gaussian, RayCaster::skip, FieldLookup::nearest, ResampleScheme::systematic,
+             "segments", true},
+        Case{SensorModel::beam, RayCaster::dda, FieldLookup::nearest, ResampleScheme::systematic,
+             "segments_one_by_one", true},
+        Case{SensorModel::class_conditional, RayCaster::skip, FieldLookup::nearest,
+             ResampleScheme::systematic, "segments_class_conditional", true},
+        Case{SensorModel::likelihood_field_prob, RayCaster::skip, FieldLookup::bilinear,
+             ResampleScheme::systematic, "segments_field_prob", true}),
     [](const auto& one) { return std::string(one.param.name); });
 
-Trace cpu_run(SensorModel model, RayCaster caster, ResampleScheme scheme, std::int64_t particles) {
+Trace cpu_run(SensorModel model, RayCaster caster, ResampleScheme scheme, std::int64_t particles,
+              const GridMap& map = small_room()) {
   BackendConfig c;
   c.particles = particles;
   c.sensor.model = model;
   c.sensor.caster = caster;
   c.resample.scheme = scheme;
-  return run(*make_cpu_backend(c), c, particles, true);
+  return run(*make_cpu_backend(c), c, particles, true, map);
 }
 
 TEST(References, TheSkippingCasterGivesTheRangesOfDda) {
@@ -232,6 +252,15 @@ TEST(References, TheSkippingCasterGivesTheRangesOfDda) {
     return cpu_run(SensorModel::gaussian, caster, ResampleScheme::systematic, 3000);
   };
   expect_same(with(RayCaster::skip), with(RayCaster::dda));
+}
+
+TEST(References, SegmentsAreFoundByCellAsByTryingAll) {
+  for (const SensorModel model : {SensorModel::gaussian, SensorModel::beam}) {
+    const auto with = [&](RayCaster caster) {
+      return cpu_run(model, caster, ResampleScheme::systematic, 3000, room_of_segments());
+    };
+    expect_same(with(RayCaster::skip), with(RayCaster::dda));
+  }
 }
 
 // Most particles have no wall in reach, which the skipping caster sees at once; some have.

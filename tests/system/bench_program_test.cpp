@@ -134,7 +134,8 @@ TEST_F(BenchProgram, ErrorsAreOneLineBeforeAnyWork) {
     const char* part;
   };
   for (const Case& c : std::vector<Case>{
-           {small({"--scene", "cellar"}), 2, "no_hit, hall, hall_obstacles, office, got 'cellar'"},
+           {small({"--scene", "cellar"}), 2,
+            "no_hit, hall, hall_obstacles, hall_segments, office, got 'cellar'"},
            {small({"--scene", "hall,"}), 2, "--scene"},
            {small({"--cloud", "none"}), 2, "--cloud"},
            {small({"--algorithm", "best"}), 2, "published, parloc, got 'best'"},

@@ -80,7 +80,7 @@ TEST(CarmenLog, FlaserTakesTheSecondPoseAsOdometry) {
   ASSERT_EQ(read.records.size(), 1u);
   const LogRecord& r = read.records[0];
   EXPECT_EQ(r.kind, RecordKind::scan);
-  EXPECT_EQ(r.sensor, "front");
+  EXPECT_EQ(r.scan.sensor, "front");
   EXPECT_EQ(r.odometry.x_m, 1.0);
   EXPECT_EQ(r.odometry.y_m, 2.0);
   EXPECT_EQ(r.odometry.theta_rad, 0.5);
@@ -121,7 +121,7 @@ TEST(CarmenLog, ParamsMountFrontAndRearLaser) {
   const Pose& front = read.records[0].scan.T_base_sensor;
   EXPECT_EQ(front.x_m, 0.25);
   EXPECT_EQ(front.theta_rad, 0.0);
-  EXPECT_EQ(read.records[1].sensor, "rear");
+  EXPECT_EQ(read.records[1].scan.sensor, "rear");
   EXPECT_EQ(read.records[1].scan.T_base_sensor.x_m, -0.4);
   EXPECT_DOUBLE_EQ(read.records[1].scan.T_base_sensor.theta_rad, -M_PI) << "backwards, in [-pi, pi)";
   EXPECT_EQ(read.records[2].scan.T_base_sensor.x_m, -0.5)
@@ -136,7 +136,7 @@ TEST(CarmenLog, RobotlaserHasAnglesLimitsAndSensorPose) {
       "0 0 0.1 0.1 1e6 50.5 host 0.2\n");
   ASSERT_EQ(read.records.size(), 1u);
   const LogRecord& r = read.records[0];
-  EXPECT_EQ(r.sensor, "robotlaser1");
+  EXPECT_EQ(r.scan.sensor, "robotlaser1");
   EXPECT_NEAR(r.scan.T_base_sensor.x_m, 0.3, 1e-7);
   EXPECT_NEAR(r.scan.T_base_sensor.y_m, 0.1, 1e-7);
   EXPECT_NEAR(r.scan.T_base_sensor.theta_rad, 10 * kDeg, 1e-7);
@@ -347,7 +347,7 @@ TEST(CarmenLog, LineRoundTrip) {
   const Read read = read_text(carmen_line(record) + "\n");
   ASSERT_EQ(read.records.size(), 1u) << carmen_line(record);
   const LogRecord& back = read.records[0];
-  EXPECT_EQ(back.sensor, "robotlaser1");
+  EXPECT_EQ(back.scan.sensor, "robotlaser1");
   EXPECT_NEAR(back.stamp_s, record.stamp_s, 5e-7);
   // 9 decimals, and the sensor pose is a difference of two poses of 9 decimals, 13 m from the origin.
   EXPECT_NEAR(back.odometry.x_m, 12.25, 1e-9);

@@ -192,6 +192,88 @@ struct Changer {
   }
 };
 
+TEST(Config, LidarsHaveAnEntryEach) {
+  const FilterConfig c = config_from_text(
+      "lidars:\n  front: {x: 0.2, y: -0.1, yaw: 0.5}\n  robotlaser2:\n    upside_down: true\n    max_beams: "
+      "40\n"
+      "    min_range: 0.05\n    max_range: 12\n    scan_time: 0.025\n    stamp_at: last\n    zero_policy: "
+      "miss\n"
+      "  rear:\nseed: 7\n",
+      "c.yaml");
+  EXPECT_EQ(c.seed, 7u);
+  ASSERT_EQ(c.lidars.size(), 2u);  // rear says nothing
+  EXPECT_EQ(c.lidars[0].name, "front");
+  EXPECT_EQ(c.lidars[0].x, 0.2);
+  EXPECT_EQ(c.lidars[0].y, -0.1);
+  EXPECT_EQ(c.lidars[0].yaw, 0.5);
+  EXPECT_FALSE(c.lidars[0].upside_down);
+  EXPECT_FALSE(c.lidars[0].max_beams || c.lidars[0].min_range || c.lidars[0].scan_time);
+  EXPECT_EQ(c.lidars[1].name, "robotlaser2");
+  EXPECT_FALSE(c.lidars[1].x || c.lidars[1].y || c.lidars[1].yaw);
+  EXPECT_TRUE(c.lidars[1].upside_down);
+  EXPECT_EQ(c.lidars[1].max_beams, 40);
+  EXPECT_EQ(c.lidars[1].min_range, 0.05);
+  EXPECT_EQ(c.lidars[1].max_range, 12.0);
+  EXPECT_EQ(c.lidars[1].scan_time, 0.025);
+  EXPECT_EQ(c.lidars[1].stamp_at, StampAt::last);
+  EXPECT_EQ(c.lidars[1].zero_policy, ZeroPolicy::miss);
+  const std::string printed = config_to_yaml(c);
+  EXPECT_EQ(config_to_yaml(config_from_text(printed, "printed")), printed);
+  EXPECT_NE(printed.find("\n  robotlaser2:\n"), std::string::npos) << printed;
+}
+
+TEST(Config, TheExampleOfALidarIsValid) {
+  std::string printed = config_to_yaml(FilterConfig{});
+  const std::size_t begin = printed.find("# lidars:");
+  ASSERT_NE(begin, std::string::npos);
+  std::string example = printed.substr(begin);
+  for (std::size_t at = 0; at != std::string::npos;) {  // uncomment
+    example.erase(at, 2);
+    const std::size_t next = example.find('\n', at);
+    at = next == std::string::npos || next + 1 >= example.size() ? std::string::npos : next + 1;
+  }
+  const FilterConfig c = config_from_text(example, "example");
+  ASSERT_EQ(c.lidars.size(), 1u);
+  EXPECT_TRUE(c.lidars[0].x && c.lidars[0].min_range && c.lidars[0].stamp_at);
+}
+
+TEST(Config, MistakesInLidarsHaveOneClearLine) {
+  const std::vector<Mistake> mistakes{
+      {"lidars: 3\n",
+       "c.yaml:1: 'lidars' is a group: expected indented 'key: value' lines below it, got '3'"},
+      {"lidars: [1]\n", "c.yaml:1: expected indented lines below 'lidars', got a list"},
+      {"lidars:\n  front: 3\n",
+       "c.yaml:2: 'lidars.front' is a group: expected indented 'key: value' lines below it, got '3'"},
+      {"lidars:\n  front: [3]\n", "c.yaml:2: expected indented lines below 'lidars.front', got a list"},
+      {"lidars:\n  front:\n    yav: 0\n",
+       "c.yaml:3: unknown key 'lidars.front.yav'; the nearest valid key is 'lidars.front.yaw'"},
+      {"lidars:\n  front:\n    x: {a: 1}\n",
+       "c.yaml:3: expected a single value for 'lidars.front.x', got a group"},
+      {"lidars:\n  front:\n    yaw: left\n", "c.yaml:3: lidars.front.yaw: expected a number, got 'left'"},
+      {"lidars:\n  front:\n    yaw: 90\n", "c.yaml:3: lidars.front.yaw must be -6.3 to 6.3, got 90"},
+      {"lidars:\n  front:\n    upside_down: 1\n",
+       "c.yaml:3: lidars.front.upside_down: expected true or false, got '1'"},
+      {"lidars:\n  front:\n    stamp_at: end\n",
+       "c.yaml:3: lidars.front.stamp_at: expected first, middle or last, got 'end'"},
+      {"lidars:\n  front: {x: 1}\n  front: {y: 1}\n", "c.yaml:3: duplicate group 'lidars.front'"},
+      {"lidars:\n  front: {x: 1, x: 2}\n", "c.yaml:2: duplicate key 'lidars.front.x', first on line 2"},
+      {"lidars:\n  a b: {x: 1}\n",
+       "c.yaml:2: lidars: 'a b' is no name of a LiDAR: expected 1 to 40 letters, digits, '_' or '-'"},
+      {"lidars:\n  front:\n    max_range: 2\n    min_range: 2\n",
+       "c.yaml:4: lidars.front.min_range (2) must be below lidars.front.max_range (2)"},
+      {"lidars:\n  front: {max_beams: 3}\n",
+       "c.yaml:2: lidars.front.max_beams (3) must not be below scan.min_beams (5)"},
+      {"lidar:\n  front: {x: 3}\n", "c.yaml:1: unknown key 'lidar'; the nearest valid key is 'lidars'"},
+      {"scan:\n  scan_time: 2\n", "c.yaml:2: scan.scan_time must be 0 to 1, got 2"},
+      {"x: 3\n", "c.yaml:1: unknown key 'x'; the nearest valid key is"},
+  };
+  for (const Mistake& m : mistakes)
+    EXPECT_EQ(message_for(m.yaml).substr(0, std::string(m.message).size()), m.message) << m.yaml;
+  FilterConfig twice;
+  twice.lidars = {{.name = "front"}, {.name = "front"}};
+  EXPECT_EQ(message_of([&] { validate(twice); }), "lidars.front is there twice");
+}
+
 TEST(Config, PrintedConfigurationReadsBack) {
   FilterConfig changed;
   visit_fields(changed, Changer{});

@@ -10,6 +10,8 @@
 #include <string>
 
 #include "common/error.h"
+#include "common/eval/metrics.h"
+#include "common/eval/simulator.h"
 #include "tests/unit/small_drive.h"
 #include "tools/run_results.h"
 #include "tools/start_pose.h"
@@ -199,6 +201,106 @@ TEST(LocalizeLog, RefusesWhatItCannotStartWith) {
   expect_error(ErrorKind::input, "", [&] { localize(log, request); });
   request.start.reset();
   expect_error(ErrorKind::usage, "--init", [&] { localize(log, request); });
+}
+
+// ---- several LiDARs, and scans that take time -----------------------------------------------------
+
+/// A robot that turns on the spot at 1 rad/s in the small room, two turns left and two right, and scans ten
+/// times a second.
+Scenario spin(double scan_time_s, StampAt stamp_at) {
+  Scenario s;
+  s.path.name = "spin";
+  s.path.points = {{1.5, 2.0, 0.5, 4.0 * M_PI}, {2.0, 2.0, 0.5, -4.0 * M_PI}};
+  s.path.turn_rate_rad_s = 1.0;
+  s.lidar.beams = 180;
+  s.lidar.angle_min_rad = -M_PI;
+  s.lidar.angle_step_rad = M_PI / 90.0;
+  s.lidar.T_base_sensor = {0.2, 0.0, 0.0};
+  s.lidar.sigma_range_m = 0.01;
+  s.lidar.scan_time_s = scan_time_s;
+  s.lidar.stamp_at = stamp_at;
+  return s;
+}
+
+struct SpinErrors {
+  double heading_rad, position_m;  // RMSE
+};
+/// `told_s` is the scan time that the filter is told.
+SpinErrors localize_spin(double true_s, double told_s, StampAt stamp_at) {
+  const GridMap room = test::small_room();
+  const SimulatedLog log = simulate(spin(true_s, stamp_at), room);
+  LocalizeRequest request = small_request();
+  request.config.particles = 1000;
+  request.config.lidars = {{.name = "robotlaser1", .scan_time = told_s, .stamp_at = stamp_at}};
+  request.start = StartPose{false, {1.5, 2.0, 0.0}, 0.05, 0.05, 0.05};
+  const Localization run = localize_log(room, *carmen_log_from_text(carmen_text(log), "spin.log"), request);
+  const TrackErrors errors = compare_tracks(run.trajectory, log.truth);
+  EXPECT_EQ(run.lidars.size(), 1u);
+  EXPECT_EQ(run.lidars[0].moving, told_s > 0.0 ? run.scans : 0u);
+  // It reads ahead to the last beam, so that even the first scan's motion is known; one stamped at its last
+  // beam lies before all odometry.
+  EXPECT_EQ(run.lidars[0].unknown_motion, told_s > 0.0 && stamp_at == StampAt::last ? 1u : 0u);
+  return {errors.heading_rmse_rad, errors.position_rmse_m};
+}
+
+// docs/results/deskew.md has the same on a larger scale.
+TEST(Deskewing, RemovesMostOfTheErrorOfTurningAtOneRadianPerSecond) {
+  for (const StampAt at : {StampAt::first, StampAt::last}) {
+    const SpinErrors instant = localize_spin(0.0, 0.0, at);
+    const SpinErrors ignored = localize_spin(0.1, 0.0, at);
+    const SpinErrors deskewed = localize_spin(0.1, 0.1, at);
+    // Half a scan's turn, 0.05 rad, is what ignoring it costs.
+    EXPECT_GT(ignored.heading_rad - instant.heading_rad, 0.03);
+    EXPECT_LT(deskewed.heading_rad - instant.heading_rad, 0.2 * (ignored.heading_rad - instant.heading_rad));
+    EXPECT_LT(deskewed.position_m - instant.position_m, 0.2 * (ignored.position_m - instant.position_m));
+  }
+}
+
+std::string two_lidar_log() {
+  Scenario s = spin(0.0, StampAt::first);
+  s.more_lidars = {s.lidar};
+  s.more_lidars[0].beams = 60;
+  s.more_lidars[0].delay_s = 0.05;
+  s.lidar.dropout_probability = 0.1;
+  return carmen_text(simulate(s, test::small_room()));
+}
+
+TEST(LocalizeLog, SummaryTellsHowManyBeamsOfEachLidarWereUsedAndWhy) {
+  LocalizeRequest request = small_request();
+  request.start = StartPose{false, {1.5, 2.0, 0.0}, 0.05, 0.05, 0.05};
+  request.config.lidars = {{.name = "robotlaser1", .max_beams = 70, .scan_time = 0.05}};
+  RunResults results;
+  results.run = localize(two_lidar_log(), request);
+  ASSERT_EQ(results.run.lidars.size(), 2u);
+  EXPECT_EQ(results.run.scans, results.run.lidars[0].scans + results.run.lidars[1].scans);
+  EXPECT_EQ(results.run.trajectory.size(), results.run.scans);  // a step and a row for each
+  const std::string summary = run_summary(results);
+  for (const char* expected :
+       {"robotlaser1: 70 of 180 per scan (evenly in angle, every 2.6th; max_beams 70); ",
+        " % dropped: ", " zero\n", "robotlaser1: 272 of 272 scans\n",
+        "robotlaser2: 60 of 60 per scan (all; max_beams 100)\n"})
+    EXPECT_NE(summary.find(expected), std::string::npos) << expected << "\n" << summary;
+  const std::string json = metrics_json(results);
+  for (const char* expected : {"\"name\": \"robotlaser2\"", "\"scans_deskewed\": 272", "\"scan_time\": 0.05"})
+    EXPECT_NE(json.find(expected), std::string::npos) << expected;
+}
+
+TEST(LocalizeLog, SaysSoWhenAConfiguredLidarIsNotInTheLog) {
+  LocalizeRequest request = small_request();
+  request.start = StartPose{false, {1.5, 2.0, 0.0}, 0.05, 0.05, 0.05};
+  request.config.lidars = {{.name = "robotlaser1"}, {.name = "front"}, {.name = "rear"}};
+  RunResults results;
+  const std::string log = two_lidar_log();
+  results.run = localize(log, request);
+  const std::string expected =
+      "lidars.front, lidars.rear in the configuration, but the log has scans of robotlaser1, robotlaser2 "
+      "only";
+  EXPECT_NE(run_summary(results).find(expected), std::string::npos) << run_summary(results);
+  request.strict = true;
+  request.config.scan.zero_policy = ZeroPolicy::miss;  // the log's zeros are no trouble then
+  expect_error(ErrorKind::input, "drive.log: " + expected, [&] { localize(log, request); });
+  request.config.lidars.clear();
+  EXPECT_EQ(localize(log, request).scans, results.run.scans);
 }
 
 TEST(StepTimes, LeaveOutTheFirstStep) {

@@ -35,7 +35,8 @@ struct Field {
             grid.width + 2,
             0.25f,
             4.0f,
-            skip.plane} {}
+            skip.plane,
+            {}} {}
   SkipField skip;
   RayMap map;
 };

@@ -199,7 +199,7 @@ TEST(Drive, holds_its_ends_and_faces_its_first_leg) {
 }
 
 TEST(ShippedPaths, keep_clear_of_walls) {
-  for (const char* name : {"paz2012", "office"}) {
+  for (const char* name : {"paz2012", "office", "spin", "two_lidars"}) {
     const Scenario scenario = read_scenario(kRoot + "configs/" + name + "_scenario.yaml");
     for (const std::string& map_path : {scenario.map_path, scenario.localization_map_path}) {
       const GridMap map = read_map(map_path);
@@ -418,6 +418,125 @@ TEST(Simulator, systematic_errors_are_exact) {
   EXPECT_NEAR(largest, 1.1 * 90.0 * kDeg, 1e-9);
 }
 
+// ---- scans that take time, several LiDARs --------------------------------------------------------
+/// Turns left on the spot at 1 rad/s in the corridor, from the first second to the seventh.
+Scenario spin() {
+  Scenario s = noise_free(Scenario{});
+  s.path.name = "spin";
+  s.path.points = {{3.0, 1.5, 1.0, 6.0}, {5.0, 1.5, 0.0}};
+  s.path.turn_rate_rad_s = 1.0;
+  s.lidar.T_base_sensor = {0.3, 0.1, 0.5};
+  s.lidar.beams = 90;
+  s.lidar.range_max_m = 50.0;
+  s.lidar.scan_time_s = 0.1;
+  return s;
+}
+
+TEST(Drive, spins_on_the_spot) {
+  WaypointPath path;
+  path.points = {{1.0, 1.0, 0.5, -7.0}, {3.0, 1.0, 0.0, 1.0}};
+  path.speed_mps = 1.0;
+  path.turn_rate_rad_s = 2.0;
+  const Drive drive = plan_drive(path);
+  const double back_rad = 7.0 - 2.0 * std::numbers::pi;  // the short way to the next point
+  EXPECT_NEAR(drive.duration_s(), 0.5 + 3.5 + back_rad / 2.0 + 2.0 + 0.5, 1e-12);
+  EXPECT_NEAR(pose_at(drive, 1.5).theta_rad, -2.0, 1e-12);
+  EXPECT_NEAR(pose_at(drive, 4.0).theta_rad, -back_rad, 1e-12);
+  EXPECT_NEAR(pose_at(drive, drive.duration_s()).theta_rad, 1.0, 1e-12);
+  EXPECT_EQ(pose_at(drive, 3.0).x_m, 1.0);
+}
+
+TEST(Simulator, every_beam_is_cast_from_where_the_robot_is_at_its_time) {
+  for (const auto& [at, before_s] :
+       {std::pair{StampAt::first, 0.0}, {StampAt::middle, 0.05}, {StampAt::last, 0.1}}) {
+    Scenario s = spin();
+    s.lidar.stamp_at = at;
+    const GridMap map = corridor();
+    int checked = 0;
+    for (const LogRecord& record : scans_of(simulate(s, map))) {
+      if (record.stamp_s < 1.2 || record.stamp_s > 6.8) continue;
+      EXPECT_EQ(record.scan.scan_time_s, 0.1);
+      for (std::size_t i = 0; i < 90; i += 13) {
+        const double t = record.stamp_s - before_s + 0.1 * static_cast<double>(i) / 89.0;
+        const double heading = t - 1.0;  // 1 rad/s from 1 s on
+        const double x = 3.0 + 0.3 * std::cos(heading) - 0.1 * std::sin(heading);
+        const double y = 1.5 + 0.3 * std::sin(heading) + 0.1 * std::cos(heading);
+        const double angle = heading + 0.5 - std::numbers::pi / 2.0 + 0.5 * kDeg * static_cast<double>(i);
+        const double range_m = cast_simulated_ray(map, x, y, angle, 50.0).range_m;
+        // Rounding; a beam along the corridor at a grazing angle magnifies it.
+        EXPECT_NEAR(record.scan.ranges_m[i], range_m, 1e-5);
+        ++checked;
+      }
+    }
+    EXPECT_GT(checked, 300);
+  }
+}
+
+TEST(Simulator, upside_down_is_mirrored) {
+  Scenario s = spin();
+  s.lidar.angle_min_rad = -0.4;
+  s.lidar.upside_down = true;
+  Scenario mirrored = spin();
+  mirrored.lidar.angle_min_rad = 0.4;
+  mirrored.lidar.angle_step_rad = -s.lidar.angle_step_rad;
+  const GridMap map = corridor();
+  const std::vector<LogRecord> a = scans_of(simulate(s, map)), b = scans_of(simulate(mirrored, map));
+  ASSERT_EQ(a.size(), b.size());
+  for (std::size_t k = 0; k < a.size(); ++k) {
+    EXPECT_EQ(a[k].scan.angle_min_rad, -0.4);  // as the device says it
+    for (std::size_t i = 0; i < 90; ++i) EXPECT_NEAR(a[k].scan.ranges_m[i], b[k].scan.ranges_m[i], 1e-5);
+  }
+}
+
+TEST(Simulator, several_lidars_scan_each_on_its_own) {
+  Scenario s = straight_10_m();
+  s.lidar.beams = 30;
+  s.lidar.sigma_range_m = 0.02;
+  const SimulatedLog alone = simulate(s, corridor());
+  SimulatedLidar rear = s.lidar;
+  rear.beams = 20;
+  rear.T_base_sensor = {-0.2, 0.0, -3.0};
+  SimulatedLidar late = rear;
+  late.delay_s = 0.05;
+  s.more_lidars = {rear, late};
+  const SimulatedLog log = simulate(s, corridor());
+  std::vector<std::vector<LogRecord>> by_lidar(3);
+  for (const LogRecord& record : scans_of(log)) {
+    ASSERT_EQ(record.scan.sensor.substr(0, 10), "robotlaser");
+    by_lidar.at(static_cast<std::size_t>(record.scan.sensor.back() - '1')).push_back(record);
+  }
+  const std::vector<LogRecord> first = scans_of(alone);
+  ASSERT_EQ(by_lidar[0].size(), first.size());
+  ASSERT_EQ(by_lidar[1].size(), first.size());
+  ASSERT_GE(by_lidar[2].size(), first.size() - 1);
+  for (std::size_t k = 0; k < first.size(); ++k) {
+    EXPECT_EQ(by_lidar[0][k].scan.ranges_m, first[k].scan.ranges_m);  // the others do not change it
+    EXPECT_EQ(by_lidar[1][k].stamp_s, first[k].stamp_s);
+    EXPECT_EQ(by_lidar[1][k].odometry.x_m, first[k].odometry.x_m);
+    EXPECT_EQ(by_lidar[1][k].scan.ranges_m.size(), 20u);
+    if (k < by_lidar[2].size()) {
+      EXPECT_NEAR(by_lidar[2][k].stamp_s, first[k].stamp_s + 0.05, 1e-12);
+    }
+  }
+  // Noise of its own, not that of the other LiDAR: both look at the same wall with beam 0 if mounted alike.
+  EXPECT_NE(by_lidar[1][0].scan.ranges_m[0], by_lidar[0][0].scan.ranges_m[0]);
+  for (std::size_t k = 1; k < log.truth.size(); ++k)
+    EXPECT_LT(log.truth[k - 1].stamp_s, log.truth[k].stamp_s);
+  EXPECT_EQ(log.beams, 30 * by_lidar[0].size() + 20 * (by_lidar[1].size() + by_lidar[2].size()));
+
+  const auto reader = carmen_log_from_text(carmen_text(log), "simulated");
+  LogRecord read;
+  for (const LogRecord& written : log.records) {
+    ASSERT_TRUE(reader->next(read));
+    EXPECT_EQ(read.kind, written.kind);
+    if (written.kind != RecordKind::scan) continue;
+    EXPECT_EQ(read.scan.sensor, written.scan.sensor);
+    EXPECT_EQ(read.scan.ranges_m.size(), written.scan.ranges_m.size());
+    EXPECT_NEAR(read.scan.T_base_sensor.theta_rad, written.scan.T_base_sensor.theta_rad, 1e-8);
+  }
+  EXPECT_EQ(reader->warnings().beam_count_changes, 0u);  // counted by LiDAR
+}
+
 // ---- one seed, one log --------------------------------------------------------------------------
 TEST(Simulator, a_seed_means_one_log) {
   Scenario s = paper();
@@ -519,6 +638,19 @@ TEST(Simulator, refuses_rates_that_do_not_fit_and_drives_without_end) {
   EXPECT_NE(error_of([&] { simulate(s, corridor()); }, ErrorKind::config).find("million"), std::string::npos);
 }
 
+TEST(Simulator, refuses_times_that_do_not_fit) {
+  Scenario s = straight_10_m();
+  s.lidar.scan_time_s = 0.11;
+  EXPECT_NE(error_of([&] { simulate(s, corridor()); }, ErrorKind::config).find("at most the 0.1 s between"),
+            std::string::npos);
+  s = straight_10_m();
+  s.more_lidars = {s.lidar};
+  s.more_lidars[0].delay_s = 0.02;
+  EXPECT_NE(
+      error_of([&] { simulate(s, corridor()); }, ErrorKind::config).find("multiple of the odometry's period"),
+      std::string::npos);
+}
+
 TEST(ScenarioReader, names_what_is_wrong_and_where) {
   struct Case {
     const char* text;
@@ -542,6 +674,20 @@ TEST(ScenarioReader, names_what_is_wrong_and_where) {
        "s.yaml:4: lidar.over_range must be max, inf or code, got 'far'"},
       {"map: a.yaml\npath: b.yaml\nlidar:\n  mount: [1, 2]\n",
        "s.yaml:4: lidar.mount must be a list of 3 numbers"},
+      {"map: a.yaml\npath: b.yaml\nlidar:\n  upside_down: 1\n",
+       "s.yaml:4: lidar.upside_down must be true or false, got '1'"},
+      {"map: a.yaml\npath: b.yaml\nlidar:\n  scan_time: 2\n",
+       "s.yaml:4: lidar.scan_time must be 0 to 1, got 2"},
+      {"map: a.yaml\npath: b.yaml\nlidar:\n  stamp_at: end\n",
+       "s.yaml:4: lidar.stamp_at must be first, middle or last, got 'end'"},
+      {"map: a.yaml\npath: b.yaml\nlidars:\n  - beams: 3\n  - beems: 3\n",
+       "s.yaml:5: unknown key 'lidars[1].beems'; the nearest valid key is 'lidars[1].beams'"},
+      {"map: a.yaml\npath: b.yaml\nlidars: 3\n", "s.yaml:3: lidars must be a list of groups, got '3'"},
+      {"map: a.yaml\npath: b.yaml\nlidars: []\n", "s.yaml:3: lidars must be a list of 1 to 9 LiDARs"},
+      {"map: a.yaml\npath: b.yaml\nlidars:\n  - 3\n",
+       "s.yaml:4: lidars[0]: expected 'key: value' lines, got '3'"},
+      {"map: a.yaml\npath: b.yaml\nlidar: {beams: 3}\nlidars: [{beams: 3}]\n",
+       "s.yaml:4: lidars and lidar: only one of the two may be there"},
       {"map: a.yaml\npath: b.yaml\nodometry:\n  alpha1: 0.1\n",
        "s.yaml:4: odometry.alpha1 needs form beside it"},
       {"map: a.yaml\npath: b.yaml\nseed: -1\n", "s.yaml:3: seed must be a whole number from 0"},
@@ -566,9 +712,12 @@ TEST(ScenarioReader, checks_the_points_of_a_path) {
   const Case cases[] = {
       {"points: [[0, 0]]\n", "p.yaml:1: points must be a list of at least two points"},
       {"points:\n  - [0, 0]\n  - [0, x]\n", "p.yaml:3: points: point 2: expected a number, got 'x'"},
-      {"points:\n  - [0, 0]\n  - [1]\n", "p.yaml:3: points: point 2 must be [x, y] or [x, y, pause_s]"},
+      {"points:\n  - [0, 0]\n  - [1]\n",
+       "p.yaml:3: points: point 2 must be [x, y], [x, y, pause_s] or [x, y, pause_s, spin_deg]"},
       {"points:\n  - [0, 0]\n  - [0, 0]\n", "p.yaml:3: points: point 2 is the same as the one before"},
       {"points:\n  - [0, 0]\n  - [1, 0, -1]\n", "p.yaml:3: points: point 2 must pause for 0 to 3600 s"},
+      {"points:\n  - [0, 0]\n  - [1, 0, 0, 40000]\n",
+       "p.yaml:3: points: point 2 must spin by at most 36000 degrees"},
       {"points:\n  - [0, 0]\n  - [1e9, 0]\n", "p.yaml:3: points: point 2 is beyond 100000 m"},
       {"speed: 0\npoints: [[0, 0], [1, 0]]\n", "p.yaml:1: speed must be 0.001 to 100, got 0"},
       {"sped: 1\npoints: [[0, 0], [1, 0]]\n",
@@ -602,6 +751,25 @@ TEST(ScenarioReader, reads_what_is_written) {
   EXPECT_EQ(s.odometry.noise.form, MotionForm::thrun);
   EXPECT_EQ(s.odometry.noise.alpha1, 0.3);
   EXPECT_DOUBLE_EQ(s.odometry.drift_rad_per_m, kDeg);
+}
+
+TEST(ScenarioReader, reads_several_lidars) {
+  const Scenario s = scenario_from_text(
+      "map: m.yaml\npath: p.yaml\nlidars:\n  - {beams: 7, scan_time: 0.05, stamp_at: middle}\n"
+      "  - beams: 9\n    upside_down: true\n    delay: 0.1\n    mount: [-0.1, 0.2, 90]\n  - {}\n",
+      "s.yaml");
+  EXPECT_EQ(s.lidar.beams, 7);
+  EXPECT_EQ(s.lidar.scan_time_s, 0.05);
+  EXPECT_EQ(s.lidar.stamp_at, StampAt::middle);
+  ASSERT_EQ(s.more_lidars.size(), 2u);
+  EXPECT_EQ(s.more_lidars[0].beams, 9);
+  EXPECT_TRUE(s.more_lidars[0].upside_down);
+  EXPECT_EQ(s.more_lidars[0].delay_s, 0.1);
+  EXPECT_DOUBLE_EQ(s.more_lidars[0].T_base_sensor.theta_rad, 90.0 * kDeg);
+  EXPECT_EQ(s.more_lidars[1].beams, SimulatedLidar{}.beams);
+  const WaypointPath path = waypoints_from_text("points:\n  - [0, 0, 1, -720]\n  - [1, 0]\n", "p.yaml");
+  EXPECT_DOUBLE_EQ(path.points[0].spin_rad, -720.0 * kDeg);
+  EXPECT_EQ(path.points[1].spin_rad, 0.0);
 }
 
 }  // namespace

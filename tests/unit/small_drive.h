@@ -38,7 +38,7 @@ inline SmallDrive small_drive(const GridMap& room, int count) {
     record.kind = RecordKind::scan;
     record.stamp_s = record.scan.stamp_s = 100.0 + 0.1 * k;
     record.odometry = relative(pose, start);
-    record.sensor = "robotlaser1";
+    record.scan.sensor = "robotlaser1";
     record.scan.angle_step_rad = 4.0 * M_PI / 3.0 / 60.0;
     record.scan.angle_min_rad = -30.0 * record.scan.angle_step_rad;
     record.scan.range_max_m = 8.0;

@@ -48,6 +48,7 @@ Scene from_map(const std::string& name, const std::string& what, const std::stri
   scene.map = read_map(folder + "/" + name + ".yaml");
   scene.what = fmt::format("{}: {} x {} cells of {:g} cm", what, scene.map.width, scene.map.height,
                            100.0 * scene.map.resolution_m);
+  if (!scene.map.walls.empty()) scene.what = fmt::format("{}: {} walls", what, scene.map.walls.size());
   scene.start_area = scene.map;
   scene.pose = pose;
   if (scene.map.at_point(pose.x_m, pose.y_m) != Cell::free) {
@@ -66,9 +67,12 @@ Scene make_scene(const std::string& name, const std::string& maps_folder) {
   if (name == "hall") return from_map(name, "a hall with nothing in it", maps_folder, {9.65, 4.42, 0.0});
   if (name == "hall_obstacles")
     return from_map(name, "the hall with walls, pillars and boxes", maps_folder, {9.65, 4.42, 0.0});
+  if (name == "hall_segments")
+    return from_map(name, "the same hall, its walls as segments", maps_folder, {9.65, 4.42, 0.0});
   if (name == "office") return from_map(name, "an office floor", maps_folder, {9.65, 12.0, 1.5});
-  throw Error(ErrorKind::usage,
-              fmt::format("--scene: expected no_hit, hall, hall_obstacles or office, got '{}'", name));
+  throw Error(
+      ErrorKind::usage,
+      fmt::format("--scene: expected no_hit, hall, hall_obstacles, hall_segments or office, got '{}'", name));
 }
 
 Scan make_scan(const Scene& scene, int beams) {

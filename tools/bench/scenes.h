@@ -20,7 +20,8 @@ struct Scene {
 };
 
 /// The scenes' names, in the order of the documentation.
-inline constexpr std::array<const char*, 4> kSceneNames{"no_hit", "hall", "hall_obstacles", "office"};
+inline constexpr std::array<const char*, 5> kSceneNames{"no_hit", "hall", "hall_obstacles", "hall_segments",
+                                                        "office"};
 
 inline constexpr double kRangeMax_m = 8.0;
 inline constexpr double kFieldOfView_deg = 270.0;

@@ -12,6 +12,8 @@ set(PARLOC_PUBLIC_HEADERS
   io/trajectory.h
   map/grid_map.h
   map/map_reader.h
+  map/segment.h
+  map/segment_map.h
   math/pose.h
   model/beam_counts.h
   parloc.h)

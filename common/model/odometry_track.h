@@ -1,0 +1,42 @@
+// The robot's motion around a scan, from odometry readings.
+#pragma once
+
+#include <cstddef>
+#include <vector>
+
+#include "common/io/trajectory.h"
+#include "common/math/pose.h"
+
+namespace parloc {
+
+/// The last two seconds of odometry. Between two readings the robot drives an arc at constant speed; before
+/// the first and after the last reading it goes on with the twist that it had there. Deterministic on every
+/// machine; does not allocate once it has grown.
+class OdometryTrack {
+ public:
+  static constexpr double kRemembered_s = 2.0;
+  /// A twist is taken over at least this time: stamps jitter.
+  static constexpr double kShortestTwist_s = 0.02;
+
+  /// A step longer than `longest_step_m` between readings is a jump of the odometry: what was before it is
+  /// forgotten.
+  explicit OdometryTrack(double longest_step_m) : longest_step_m_(longest_step_m) {}
+
+  /// In any order; of equal stamps the last counts. What is not finite is ignored. A stamp more than two
+  /// seconds before the newest is another clock: it starts anew.
+  void add(double stamp_s, const Pose& odometry);
+  void clear() { readings_.clear(); }
+
+  /// Whether there are two readings far enough apart. Without, the robot is taken to stand still.
+  bool knows_motion() const;
+  /// Where the base is at one time, seen from where it is at another.
+  Pose motion(double from_s, double to_s) const;
+
+ private:
+  Pose at(double stamp_s) const;
+
+  double longest_step_m_;
+  std::vector<StampedPose> readings_;  ///< By ascending stamp, no two equal.
+};
+
+}  // namespace parloc

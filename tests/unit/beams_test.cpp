@@ -1,0 +1,400 @@
+// From a scan to the beams that are weighed: which are taken, what each value means, and where each looked
+// from.
+#include "common/model/beams.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <functional>
+#include <limits>
+#include <string>
+#include <vector>
+
+#include "common/error.h"
+
+namespace parloc {
+namespace {
+
+constexpr double kResolution_m = 0.05;
+constexpr float kNan = std::numeric_limits<float>::quiet_NaN();
+constexpr float kInf = std::numeric_limits<float>::infinity();
+
+struct Taken {
+  BeamTable beams;
+  BeamCounts counts;
+};
+Taken take(const Scan& scan, const ScanConfig& config = {}, const LidarConfig* lidar = nullptr,
+           const OdometryTrack* track = nullptr) {
+  Taken t;
+  select_beams(scan, lidar_setup(scan, config, lidar), track, SensorConfig{}, kResolution_m, t.beams,
+               t.counts);
+  return t;
+}
+
+Scan fan(std::size_t beams, double angle_min_rad = -2.0, double angle_step_rad = 0.01) {
+  Scan s;
+  s.stamp_s = 100.0;
+  s.T_base_sensor = {0.2, -0.1, 0.3};
+  s.angle_min_rad = angle_min_rad;
+  s.angle_step_rad = angle_step_rad;
+  s.range_max_m = 10.0;
+  for (std::size_t i = 0; i < beams; ++i) s.ranges_m.push_back(1.0f + 0.01f * static_cast<float>(i));
+  return s;
+}
+
+void expect_same_bits(const BeamTable& a, const BeamTable& b) {
+  EXPECT_EQ(a.count, b.count);
+  EXPECT_EQ(a.hits, b.hits);
+  EXPECT_EQ(a.origin_spread_m, b.origin_spread_m);
+  for (const auto field :
+       {&BeamTable::origin_x, &BeamTable::origin_y, &BeamTable::direction_x, &BeamTable::direction_y,
+        &BeamTable::range_m, &BeamTable::short_density, &BeamTable::end_x, &BeamTable::end_y})
+    EXPECT_EQ(a.*field, b.*field);
+}
+
+std::string message_of(const std::function<void()>& action) {
+  try {
+    action();
+  } catch (const Error& e) {
+    EXPECT_EQ(e.kind(), ErrorKind::input);
+    return e.what();
+  }
+  ADD_FAILURE() << "no error";
+  return {};
+}
+
+// ---- what a value means ----------------------------------------------------------------------------------
+
+TEST(BeamValues, EachHasItsMeaning) {
+  struct Case {
+    float range_m;
+    ZeroPolicy zero;
+    std::size_t BeamCounts::*counted;  // null: a hit
+    bool miss;
+  };
+  const float tiny = std::numeric_limits<float>::denorm_min();
+  const ZeroPolicy invalid = ZeroPolicy::invalid, miss = ZeroPolicy::miss;
+  const Case cases[] = {
+      {kNan, invalid, &BeamCounts::nan, false},
+      {-kInf, invalid, &BeamCounts::infinite, false},
+      {kInf, invalid, &BeamCounts::misses, true},
+      {-1.0f, invalid, &BeamCounts::negative, false},
+      {-tiny, miss, &BeamCounts::negative, false},
+      {0.0f, invalid, &BeamCounts::zero, false},
+      {-0.0f, invalid, &BeamCounts::zero, false},
+      {0.0f, miss, &BeamCounts::misses, true},
+      {-0.0f, miss, &BeamCounts::misses, true},
+      {tiny, miss, &BeamCounts::below_min, false},
+      {std::nextafterf(0.5f, 0.0f), invalid, &BeamCounts::below_min, false},
+      {0.5f, invalid, nullptr, false},
+      {std::nextafterf(8.0f, 0.0f), invalid, nullptr, false},
+      {8.0f, invalid, &BeamCounts::misses, true},
+      {81.83f, invalid, &BeamCounts::misses, true},
+  };
+  for (const Case& c : cases) {
+    Scan scan = fan(1);
+    scan.ranges_m = {c.range_m};
+    scan.range_min_m = 0.5;
+    scan.range_max_m = 8.0;
+    ScanConfig config;
+    config.zero_policy = c.zero;
+    const Taken t = take(scan, config);
+    SCOPED_TRACE(c.range_m);
+    EXPECT_EQ(t.counts.total, 1u);
+    EXPECT_EQ(t.counts.considered, 1u);
+    EXPECT_EQ(t.beams.hits, c.counted == nullptr ? 1u : 0u);
+    EXPECT_EQ(t.beams.count, c.counted == nullptr || c.miss ? 1u : 0u);
+    EXPECT_EQ(t.counts.rejected() + t.counts.misses, c.counted == nullptr ? 0u : 1u);
+    if (c.counted != nullptr) {
+      EXPECT_EQ(t.counts.*c.counted, 1u);
+    }
+    if (c.miss) {
+      EXPECT_EQ(t.beams.range_m[0], 8.0f);
+    }
+  }
+}
+
+TEST(BeamValues, LimitsComeFromTheLidarThenTheLogThenTheScanGroup) {
+  Scan scan = fan(1);
+  scan.range_max_m = 0.0;
+  ScanConfig config;
+  config.laser_min_range = 0.3;
+  config.laser_max_range = 7.0;
+  EXPECT_EQ(lidar_setup(scan, config).range_max_m, 7.0);
+  EXPECT_EQ(lidar_setup(scan, config).range_min_m, 0.3);
+  scan.range_max_m = 20.0;
+  scan.range_min_m = 0.02;
+  EXPECT_EQ(lidar_setup(scan, config).range_max_m, 20.0);
+  EXPECT_EQ(lidar_setup(scan, config).range_min_m, 0.02);
+  LidarConfig lidar;
+  lidar.max_range = 5.0;
+  lidar.min_range = 0.0;
+  EXPECT_EQ(lidar_setup(scan, config, &lidar).range_max_m, 5.0);
+  EXPECT_EQ(lidar_setup(scan, config, &lidar).range_min_m, 0.0);
+}
+
+// ---- which beams are taken -------------------------------------------------------------------------------
+
+/// Indices of the beams taken, which fan() puts into their ranges.
+std::vector<std::size_t> indices(const Taken& t) {
+  std::vector<std::size_t> out;
+  for (const float r : t.beams.range_m)
+    out.push_back(static_cast<std::size_t>(std::lround((r - 1.0f) * 100.0f)));
+  return out;
+}
+
+TEST(BeamChoice, EvenBeamsAreTakenByIndex) {
+  ScanConfig config;
+  for (const std::size_t total : {1, 2, 59, 60, 61, 180, 541}) {
+    for (const int wanted : {1, 7, 60, 200}) {
+      config.max_beams = wanted;
+      const Taken t = take(fan(total), config);
+      const std::size_t taken = std::min<std::size_t>(total, static_cast<std::size_t>(wanted));
+      std::vector<std::size_t> expected;
+      for (std::size_t k = 0; k < taken; ++k) expected.push_back(k * total / taken);
+      EXPECT_EQ(indices(t), expected) << total << " " << wanted;
+      EXPECT_EQ(t.counts.total, total);
+      EXPECT_EQ(t.counts.considered, taken);
+    }
+  }
+}
+
+TEST(BeamChoice, BearingsThatAreEvenChangeNothing) {
+  ScanConfig config;
+  for (const double step_rad : {0.01, -0.013}) {
+    for (const std::size_t total : {1, 2, 61, 397}) {
+      const Scan scan = fan(total, 0.7, step_rad);
+      Scan listed = scan;
+      for (std::size_t i = 0; i < total; ++i)
+        listed.bearings_rad.push_back(scan.angle_min_rad + static_cast<double>(i) * step_rad);
+      for (const int wanted : {1, 7, 60, 400}) {
+        config.max_beams = wanted;
+        expect_same_bits(take(listed, config).beams, take(scan, config).beams);
+      }
+    }
+  }
+}
+
+TEST(BeamChoice, UnevenBeamsAreTakenEvenlyInAngle) {
+  // 100 beams to the right at 0.001 rad, 100 to the left at 0.01 rad: ten times as wide.
+  Scan scan = fan(200);
+  for (int i = 0; i < 100; ++i) scan.bearings_rad.push_back(-0.1 + 0.001 * i);
+  for (int i = 0; i < 100; ++i) scan.bearings_rad.push_back(0.01 * i);
+  ScanConfig config;
+  config.max_beams = 22;
+  const std::vector<std::size_t> taken = indices(take(scan, config));
+  EXPECT_EQ(taken.size(), 22u);
+  std::size_t right = 0;
+  double widest_rad = 0.0;
+  for (std::size_t k = 0; k < taken.size(); ++k) {
+    right += taken[k] < 100 ? 1 : 0;
+    if (k > 0)
+      widest_rad = std::max(widest_rad, scan.bearings_rad[taken[k]] - scan.bearings_rad[taken[k - 1]]);
+  }
+  EXPECT_EQ(right, 3u);           // parts of 0.0498 rad begin at -0.1, -0.0502, -0.0004; by index it is 11
+  EXPECT_LE(widest_rad, 0.0605);  // a part, and the spacing of a beam
+}
+
+TEST(BeamChoice, NoBeamIsTakenTwice) {
+  Scan scan = fan(20);
+  for (int i = 0; i < 10; ++i) scan.bearings_rad.push_back(0.001 * i);
+  for (int i = 0; i < 10; ++i) scan.bearings_rad.push_back(1.0 + 0.001 * i);  // nothing between
+  ScanConfig config;
+  config.max_beams = 10;
+  const Taken t = take(scan, config);
+  const std::vector<std::size_t> taken = indices(t);
+  for (std::size_t k = 1; k < taken.size(); ++k) EXPECT_LT(taken[k - 1], taken[k]);
+  EXPECT_EQ(t.counts.considered, taken.size());  // and it is told
+  EXPECT_LT(taken.size(), 10u);
+  EXPECT_GE(taken.size(), 2u);
+  scan.bearings_rad.assign(20, 0.5);  // all the same: by index
+  EXPECT_EQ(take(scan, config).counts.considered, 10u);
+}
+
+TEST(BeamChoice, ScansOfAnySize) {
+  ScanConfig config;
+  config.max_beams = 10;
+  BeamTable table;
+  BeamCounts counts;
+  std::size_t total = 0, considered = 0;
+  for (const std::size_t size : {50, 0, 3, 1, 200}) {
+    const Scan scan = fan(size);
+    select_beams(scan, config, SensorConfig{}, kResolution_m, table, counts);
+    total += size;
+    considered += std::min<std::size_t>(size, 10);
+    EXPECT_EQ(table.count, std::min<std::size_t>(size, 10));
+    EXPECT_EQ(table.end_x.size(), table.count);
+    EXPECT_EQ(counts.total, total);
+    EXPECT_EQ(counts.considered, considered);
+    expect_same_bits(table, take(scan, config).beams);  // nothing is left of the scan before
+  }
+}
+
+TEST(BeamChoice, RefusesArraysThatDoNotFit) {
+  Scan scan = fan(3);
+  scan.sensor = "front";
+  scan.bearings_rad = {0, 1};
+  EXPECT_EQ(message_of([&] { take(scan); }), "scan front: expected one of bearings_rad per range (3), got 2");
+  scan.bearings_rad = {0, 2, 1};
+  EXPECT_EQ(message_of([&] { take(scan); }), "scan front: expected bearings_rad in order");
+  scan.bearings_rad = {0, 1, NAN};
+  EXPECT_EQ(message_of([&] { take(scan); }), "scan front: expected bearings_rad that are finite");
+  scan.bearings_rad.clear();
+  scan.beam_times_s = {0, 1, 2, 3};
+  EXPECT_EQ(message_of([&] { take(scan); }), "scan front: expected one of beam_times_s per range (3), got 4");
+}
+
+// ---- how the LiDAR is mounted ----------------------------------------------------------------------------
+
+TEST(Mounting, UpsideDownIsMirrored) {
+  const Scan scan = fan(60, -0.4, 0.03);
+  Scan mirrored = scan;
+  mirrored.angle_min_rad = -scan.angle_min_rad;
+  mirrored.angle_step_rad = -scan.angle_step_rad;
+  LidarConfig lidar;
+  lidar.upside_down = true;
+  const BeamTable beams = take(scan, {}, &lidar).beams;
+  expect_same_bits(beams, take(mirrored).beams);
+  // In numbers: the sensor's x axis looks along yaw, and a beam to its left goes to the right.
+  const double angle = scan.T_base_sensor.theta_rad - (scan.angle_min_rad + 59 * scan.angle_step_rad);
+  EXPECT_NEAR(beams.direction_x[59], std::cos(angle), 1e-7);  // float32
+  EXPECT_NEAR(beams.direction_y[59], std::sin(angle), 1e-7);
+  EXPECT_EQ(beams.origin_x[59], 0.2f);
+  EXPECT_EQ(beams.origin_y[59], -0.1f);
+}
+
+TEST(Mounting, WhatIsConfiguredComesBeforeTheLog) {
+  const Scan scan = fan(5);
+  LidarConfig lidar;
+  lidar.yaw = -1.0;
+  Scan turned = scan;
+  turned.T_base_sensor.theta_rad = -1.0;
+  expect_same_bits(take(scan, {}, &lidar).beams, take(turned).beams);
+  lidar.x = 0.0;
+  lidar.y = 1.5;
+  turned.T_base_sensor = {0.0, 1.5, -1.0};
+  expect_same_bits(take(scan, {}, &lidar).beams, take(turned).beams);
+}
+
+// ---- when each beam was taken ----------------------------------------------------------------------------
+
+TEST(BeamTime, GoesFromTheFirstBeamToTheLastAroundTheStamp) {
+  const Scan scan = fan(5);
+  ScanConfig config;
+  config.scan_time = 0.1;
+  for (const auto& [at, first_s] :
+       {std::pair{StampAt::first, 0.0}, {StampAt::middle, -0.05}, {StampAt::last, -0.1}}) {
+    config.stamp_at = at;
+    const LidarSetup setup = lidar_setup(scan, config);
+    for (std::size_t i = 0; i < 5; ++i)
+      EXPECT_NEAR(beam_time_s(scan, setup, i), first_s + 0.025 * static_cast<double>(i), 1e-15);
+    EXPECT_NEAR(latest_beam_s(scan, setup), first_s + 0.1, 1e-15);
+    EXPECT_TRUE(takes_time(scan, setup));
+  }
+  EXPECT_EQ(latest_beam_s(Scan{}, lidar_setup(Scan{}, config)), 0.0);
+  EXPECT_FALSE(takes_time(fan(1), lidar_setup(fan(1), config)));
+}
+
+TEST(BeamTime, ComesFromTheLidarThenTheLogThenTheScanGroup) {
+  Scan scan = fan(3);
+  ScanConfig config;
+  EXPECT_FALSE(takes_time(scan, lidar_setup(scan, config)));
+  config.scan_time = 0.1;
+  EXPECT_EQ(beam_time_s(scan, lidar_setup(scan, config), 2), 0.1);
+  scan.scan_time_s = 0.2;
+  EXPECT_EQ(beam_time_s(scan, lidar_setup(scan, config), 2), 0.2);
+  scan.beam_times_s = {-0.3, 0.0, 0.5};
+  EXPECT_EQ(beam_time_s(scan, lidar_setup(scan, config), 0), -0.3);
+  EXPECT_EQ(latest_beam_s(scan, lidar_setup(scan, config)), 0.5);
+  LidarConfig lidar;
+  lidar.scan_time = 0.0;
+  EXPECT_FALSE(takes_time(scan, lidar_setup(scan, config, &lidar)));
+  lidar.scan_time = 0.05;
+  EXPECT_EQ(beam_time_s(scan, lidar_setup(scan, config, &lidar), 2), 0.05);
+}
+
+// ---- deskewing -------------------------------------------------------------------------------------------
+
+/// Drives an arc: speed, turn rate, readings every 50 ms around the scan's stamp.
+OdometryTrack arc(double speed_mps, double turn_rad_s) {
+  OdometryTrack track(1.0);
+  for (int k = -3; k <= 4; ++k) {
+    const double t = 0.05 * k, a = turn_rad_s * t;
+    const double chord = a == 0.0 ? speed_mps * t : speed_mps * t * std::sin(a / 2) / (a / 2);
+    track.add(100.0 + t, compose({5.0, -3.0, 2.0}, {chord * std::cos(a / 2), chord * std::sin(a / 2), a}));
+  }
+  return track;
+}
+
+TEST(Deskewing, PutsEveryBeamWhereItWasTaken) {
+  for (const double speed_mps : {0.0, 1.5}) {
+    for (const double turn_rad_s : {0.0, 1.0, -2.5}) {
+      for (const StampAt at : {StampAt::first, StampAt::middle, StampAt::last}) {
+        const OdometryTrack track = arc(speed_mps, turn_rad_s);
+        Scan scan = fan(200, -3.0, 0.03);
+        scan.ranges_m[20] = scan.ranges_m[90] = kInf;
+        ScanConfig config;
+        config.max_beams = 50;
+        config.scan_time = 0.1;
+        config.stamp_at = at;
+        const BeamTable beams = take(scan, config, nullptr, &track).beams;
+        ASSERT_EQ(beams.count, 50u);
+        ASSERT_EQ(beams.hits, 49u);  // of the two, 20 is among those taken
+        for (std::size_t m = 0; m < beams.hits; ++m) {
+          const auto i = static_cast<double>(std::lround((beams.range_m[m] - 1.0f) * 100.0f));
+          // The robot's pose at the beam's time, in closed form and libm's arithmetic.
+          const double t = 0.1 * (i / 199.0 - (at == StampAt::first    ? 0.0
+                                               : at == StampAt::middle ? 0.5
+                                                                       : 1.0));
+          const double a = turn_rad_s * t;
+          const double chord = a == 0.0 ? speed_mps * t : speed_mps * t * std::sin(a / 2) / (a / 2);
+          const double bx = chord * std::cos(a / 2), by = chord * std::sin(a / 2);
+          const double ox = bx + std::cos(a) * 0.2 + std::sin(a) * 0.1;
+          const double oy = by + std::sin(a) * 0.2 - std::cos(a) * 0.1;
+          const double angle = a + 0.3 - 3.0 + 0.03 * i;
+          const double r = beams.range_m[m];
+          // float32 of up to 3 m, and of up to 60 cells; the stamps near 100 s have 1.4e-14.
+          EXPECT_NEAR(beams.origin_x[m], ox, 2e-7);
+          EXPECT_NEAR(beams.origin_y[m], oy, 2e-7);
+          EXPECT_NEAR(beams.direction_x[m], std::cos(angle), 1e-7);
+          EXPECT_NEAR(beams.direction_y[m], std::sin(angle), 1e-7);
+          EXPECT_NEAR(beams.end_x[m], (ox + r * std::cos(angle)) / kResolution_m, 8e-6);
+          EXPECT_NEAR(beams.end_y[m], (oy + r * std::sin(angle)) / kResolution_m, 8e-6);
+        }
+        EXPECT_EQ(beams.origin_spread_m > 1e-3, speed_mps != 0.0 || turn_rad_s != 0.0);
+      }
+    }
+  }
+}
+
+TEST(Deskewing, OfAStandingRobotChangesNothing) {
+  OdometryTrack track(1.0);
+  for (int k = 0; k < 6; ++k) track.add(99.9 + 0.05 * k, {5.0, -3.0, 2.0});
+  const Scan scan = fan(397, -3.0, 0.015);
+  ScanConfig config;
+  const BeamTable instant = take(scan, config).beams;
+  for (const StampAt at : {StampAt::first, StampAt::middle, StampAt::last}) {
+    config.scan_time = 0.1;
+    config.stamp_at = at;
+    expect_same_bits(take(scan, config, nullptr, &track).beams, instant);
+  }
+}
+
+TEST(Deskewing, EndPointsOfPicturesAreThoseOfTheBeams) {
+  const OdometryTrack track = arc(1.0, 1.0);
+  Scan scan = fan(60);
+  scan.ranges_m[3] = kNan;
+  scan.ranges_m[4] = kInf;
+  ScanConfig config;
+  config.scan_time = 0.1;
+  const BeamTable beams = take(scan, config, nullptr, &track).beams;
+  const std::vector<EndPoint> points = end_points(scan, lidar_setup(scan, config), &track);
+  ASSERT_EQ(points.size(), beams.hits);
+  for (std::size_t m = 0; m < points.size(); ++m) {
+    EXPECT_NEAR(points[m].x_m, beams.end_x[m] * kResolution_m, 1e-6);
+    EXPECT_NEAR(points[m].y_m, beams.end_y[m] * kResolution_m, 1e-6);
+  }
+}
+
+}  // namespace
+}  // namespace parloc
