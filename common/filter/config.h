@@ -8,8 +8,6 @@
 #include <string>
 #include <vector>
 
-#include "common/math/host_device.h"
-
 namespace parloc {
 
 enum class MotionForm { seed, thrun };
@@ -56,7 +54,7 @@ struct LidarConfig {
 
 enum class SensorModel { gaussian, s5, beam, class_conditional, likelihood_field, likelihood_field_prob };
 /// The others look up end points.
-PARLOC_HD bool casts_rays(SensorModel m) {
+constexpr bool casts_rays(SensorModel m) {
   return m != SensorModel::likelihood_field && m != SensorModel::likelihood_field_prob;
 }
 
