@@ -177,9 +177,8 @@ TEST_F(Filter, TwoLidarsAreWorthOneWithTheBeamsOfBoth) {
   for (const SensorModel model : {SensorModel::gaussian, SensorModel::beam, SensorModel::likelihood_field}) {
     FilterConfig config = small_config();
     config.sensor = default_sensor(model);
-    config.sensor.tempering =
-        casts_rays(model) ? 0.3 : 0.1;  // effective_beams is per scan: two would be worth twice
-    config.resample.threshold = 0.0;    // never: what is compared is the weights
+    config.sensor.tempering = 0.2;    // effective_beams are those of a scan, and two scans are worth more
+    config.resample.threshold = 0.0;  // never: what is compared is the weights
     ParticleFilter one = started(config), two = started(config);
     const LogRecord& r = drive.scans[0];
     const Estimate whole = one.step(r.odometry, r.scan);
