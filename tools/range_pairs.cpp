@@ -10,7 +10,8 @@ namespace {
 /// Expected ranges by the backend's own ray_trace, for one pose at a time.
 class OneRobot {
  public:
-  OneRobot(const GridMap& map, const FilterConfig& config) : map_(map), config_(config) {
+  OneRobot(const GridMap& map, const FilterConfig& config)
+      : map_(map), config_(config), track_(config.motion.max_jump_m) {
     SensorConfig sensor = config.sensor;
     if (!casts_rays(sensor.model)) sensor.model = SensorModel::beam;
     BackendConfig one;
@@ -20,8 +21,13 @@ class OneRobot {
     backend_->set_map(map);
   }
 
+  /// Every reading in the log's order, those of scans too: for scans that take time.
+  void move(double stamp_s, const Pose& odometry) { track_.add(stamp_s, odometry); }
+
   void look(const Scan& scan, const Pose& pose, RangePairs& ranges) {
-    select_beams(scan, config_.scan, config_.sensor, map_.resolution_m, beams_, counts_);
+    const LidarSetup setup = lidar_setup(scan, config_.scan, find_lidar(config_.lidars, scan.sensor));
+    const bool deskew = takes_time(scan, setup) && track_.knows_motion();
+    select_beams(scan, setup, deskew ? &track_ : nullptr, config_.sensor, map_.resolution_m, beams_, counts_);
     if (beams_.count == 0) return;
     if (ranges.pairs.empty()) ranges.range_max_m = beams_.range_max_m;
     if (static_cast<double>(beams_.range_max_m) != ranges.range_max_m)
@@ -42,6 +48,7 @@ class OneRobot {
   std::unique_ptr<Backend> backend_;
   BeamTable beams_;
   BeamCounts counts_;
+  OdometryTrack track_;
 };
 
 }  // namespace
@@ -49,24 +56,24 @@ class OneRobot {
 RangePairsOfLog collect_range_pairs(const GridMap& map, LogReader& log, const Trajectory& poses,
                                     const FilterConfig& config,
                                     const std::function<bool(double fraction)>& keep_going) {
-  std::vector<LogRecord> scans;
+  std::vector<LogRecord> records;
   std::vector<double> stamps_s;
   for (LogRecord record; log.next(record);) {
-    if (record.kind != RecordKind::scan) continue;
     stamps_s.push_back(record.stamp_s);
-    scans.push_back(std::move(record));
+    records.push_back(std::move(record));
   }
   const std::vector<std::optional<Pose>> pose = truth_at(poses, stamps_s);
   RangePairsOfLog result;
   OneRobot robot(map, config);
-  for (const LogRecord& record : scans) {
-    const std::size_t k = result.scans++;
+  for (std::size_t k = 0; k < records.size(); ++k) {
+    robot.move(records[k].stamp_s, records[k].odometry);
+    if (records[k].kind != RecordKind::scan) continue;
+    ++result.scans;
     if (pose[k])
-      robot.look(record.scan, *pose[k], result.ranges);
+      robot.look(records[k].scan, *pose[k], result.ranges);
     else
       ++result.without_pose;
-    if (keep_going && !keep_going(static_cast<double>(result.scans) / static_cast<double>(scans.size())))
-      break;
+    if (keep_going && !keep_going(static_cast<double>(k + 1) / static_cast<double>(records.size()))) break;
   }
   return result;
 }

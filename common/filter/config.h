@@ -69,7 +69,7 @@ struct SensorConfig {
   double lambda_short = 0.5;                                     ///< [1/m]
   double laser_likelihood_max_dist = 2.0;                        ///< Cap of the distance field [m].
   /// Independent beams that a scan is worth, however many it has: chosen so that the filter's covariance
-  /// says how far off it is (tools/sensor_models.py).
+  /// says how far off it is (docs/results/nees.md).
   double effective_beams = 9.0;
   double tempering = 0.0;            ///< beta of SPEC 3.2 as a number; 0: from effective_beams.
   double s5_epsilon = 1e-3;          ///< Weight of a beam beyond the maximum, measured and expected.

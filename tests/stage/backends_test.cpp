@@ -230,7 +230,11 @@ INSTANTIATE_TEST_SUITE_P(
         Case{SensorModel::gaussian, RayCaster::skip, FieldLookup::nearest, ResampleScheme::systematic,
              "segments", true},
         Case{SensorModel::beam, RayCaster::dda, FieldLookup::nearest, ResampleScheme::systematic,
-             "segments_one_by_one", true}),
+             "segments_one_by_one", true},
+        Case{SensorModel::class_conditional, RayCaster::skip, FieldLookup::nearest,
+             ResampleScheme::systematic, "segments_class_conditional", true},
+        Case{SensorModel::likelihood_field_prob, RayCaster::skip, FieldLookup::bilinear,
+             ResampleScheme::systematic, "segments_field_prob", true}),
     [](const auto& one) { return std::string(one.param.name); });
 
 Trace cpu_run(SensorModel model, RayCaster caster, ResampleScheme scheme, std::int64_t particles,
