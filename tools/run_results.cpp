@@ -149,7 +149,7 @@ std::string relations_text(const RelationErrors& e) {
 }
 std::string consistency_text(const Consistency& c) {
   return fmt::format(
-      "NEES {:.2f} in the mean, {:.2f} in the median (3 and 2.4 are right, more is over-confident)",
+      "NEES {:.3g} in the mean, {:.3g} in the median (3 and 2.4 are right, more is over-confident)",
       c.nees_mean, c.nees_median);
 }
 std::string speed_text(const Localization& run) {
