@@ -1,0 +1,97 @@
+#include "common/eval/trial.h"
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+#include "common/eval/simulator.h"
+
+namespace parloc {
+namespace {
+
+/// A drive of one seed of the plan, its log and truth.
+SimulatedLog simulate_drive(const TrialPlan& plan, const Scenario& base, const GridMap& map,
+                            const WanderArea& area, std::uint64_t seed, const Pose& odometry_start) {
+  Scenario scenario = base;
+  scenario.path = area.wander(plan.duration_s, plan.speed_mps, plan.turn_rate_rad_s, seed);
+  scenario.seed = seed;
+  scenario.odometry.start = odometry_start;
+  SimulatedLog log = simulate(scenario, map, [&](double) { return true; });
+  const auto late = [&](double stamp_s) { return stamp_s > plan.duration_s; };
+  std::erase_if(log.records, [&](const LogRecord& r) { return late(r.stamp_s); });
+  std::erase_if(log.truth, [&](const StampedPose& p) { return late(p.stamp_s); });
+  return log;
+}
+
+bool is_right(const TrialPlan& plan, const TrialSample& s) {
+  return s.position_error_m < plan.near_m && s.heading_error_rad < plan.near_rad;
+}
+
+/// The stamp of the first sample from which on it is right for `hold_s`, or to the end if that comes first.
+std::optional<double> right_from(const TrialPlan& plan, const std::vector<TrialSample>& samples,
+                                 double since_s) {
+  std::optional<double> from;
+  for (const TrialSample& s : samples) {
+    if (s.stamp_s < since_s) continue;
+    if (!is_right(plan, s)) {
+      from.reset();
+    } else if (!from) {
+      from = s.stamp_s;
+    }
+    if (from && s.stamp_s - *from >= plan.hold_s - 1e-9) return from;
+  }
+  return from;
+}
+
+}  // namespace
+
+TrialLog simulate_trial(const TrialPlan& plan, const Scenario& scenario, const GridMap& map,
+                        const WanderArea& area, std::uint64_t seed) {
+  SimulatedLog first = simulate_drive(plan, scenario, map, area, 2 * seed, scenario.odometry.start);
+  TrialLog log{std::move(first.records), std::move(first.truth)};
+  if (plan.task != TrialTask::kidnap) return log;
+  // The robot is put down elsewhere; its odometry and its clock go on.
+  const double shift_s = log.truth.back().stamp_s + 1.0 / scenario.scan_rate_hz;
+  SimulatedLog second =
+      simulate_drive(plan, scenario, map, area, 2 * seed + 1, log.records.back().odometry);
+  for (LogRecord& record : second.records) {
+    record.stamp_s += shift_s;
+    record.scan.stamp_s += shift_s;
+    log.records.push_back(std::move(record));
+  }
+  for (const StampedPose& pose : second.truth) log.truth.push_back({pose.stamp_s + shift_s, pose.pose});
+  log.kidnapped_s = shift_s;
+  return log;
+}
+
+TrialOutcome judge_trial(const TrialPlan& plan, const std::vector<TrialSample>& samples, double since_s) {
+  TrialOutcome outcome;
+  const std::optional<double> from = right_from(plan, samples, since_s);
+  if (from) outcome.localized_after_s = *from - since_s;
+  std::optional<double> wrong_since_s;
+  bool was_lost = false;
+  for (const TrialSample& s : samples) {
+    const bool right = is_right(plan, s), tracking = s.state == HealthState::tracking;
+    const bool lost = s.state == HealthState::lost;
+    ++outcome.samples;
+    outcome.right += right ? 1 : 0;
+    if (s.stamp_s >= since_s && !tracking && !outcome.noticed_after_s)
+      outcome.noticed_after_s = s.stamp_s - since_s;
+    if (right && lost && !was_lost) ++outcome.false_lost;
+    was_lost = lost;
+    if (tracking && !right) {
+      ++outcome.confident_wrong;
+      if (!wrong_since_s) wrong_since_s = s.stamp_s;
+      outcome.confident_wrong_s = std::max(outcome.confident_wrong_s, s.stamp_s - *wrong_since_s);
+    } else {
+      wrong_since_s.reset();
+    }
+    if (!from || s.stamp_s < *from) continue;
+    ++outcome.since_localized;
+    outcome.squared_error_m2 += s.position_error_m * s.position_error_m;
+    outcome.nees_sum += s.nees;
+  }
+  return outcome;
+}
+
+}  // namespace parloc
