@@ -9,7 +9,7 @@
 #include "common/eval/calibration.h"
 #include "common/eval/scenario.h"
 #include "common/eval/wander.h"
-#include "common/filter/health.h"
+#include "common/localize/health.h"
 #include "common/filter/particle_filter.h"
 #include "common/io/log.h"
 #include "common/io/trajectory.h"

@@ -212,6 +212,40 @@ void ParticleFilter::start_anywhere() {
   state_->begin(uniform_start(state_->map, state_->config.particles, state_->config.seed));
 }
 
+namespace {
+
+void check(const std::vector<PoseGuess>& guesses) {
+  const auto usable = [](const PoseGuess& g) {
+    return finite(g.pose) && g.sigma_xy_m >= 0 && std::isfinite(g.sigma_xy_m) && g.sigma_theta_rad >= 0 &&
+           std::isfinite(g.sigma_theta_rad) && g.weight > 0 && std::isfinite(g.weight);
+  };
+  if (guesses.empty() || !std::all_of(guesses.begin(), guesses.end(), usable))
+    throw Error(ErrorKind::input, "start: expected guesses that are finite, with weights above 0");
+}
+
+}  // namespace
+
+void ParticleFilter::start_at(const std::vector<PoseGuess>& guesses) {
+  check(guesses);
+  State& s = *state_;
+  s.begin(mixture_start(s.map, guesses, s.config.particles, s.config.seed, 0));
+}
+
+void ParticleFilter::relocate(const std::vector<PoseGuess>& guesses, const Pose& odometry) {
+  check(guesses);
+  State& s = *state_;
+  const auto step = static_cast<std::uint32_t>(s.steps);
+  s.backend->upload(mixture_start(s.map, guesses, s.config.particles, s.config.seed, step));
+  s.odometry = odometry;
+  for (LidarState& lidar : s.lidars) lidar.odometry.reset();  // the next scan counts, however near
+  s.last = {};
+  s.started = true;
+}
+
+void ParticleFilter::set_seed(std::uint64_t seed) {
+  state_->config.seed = seed;
+}
+
 void ParticleFilter::add_odometry(double stamp_s, const Pose& odometry) {
   state_->track.add(stamp_s, odometry);
 }
@@ -268,6 +302,15 @@ std::vector<Particle> ParticleFilter::particles(std::size_t most) const {
   return out;
 }
 
+BeamTable ParticleFilter::beams(const Scan& scan) const {
+  const State& s = *state_;
+  const LidarSetup setup = lidar_setup(scan, s.config.scan, find_lidar(s.config.lidars, scan.sensor));
+  const bool deskew = takes_time(scan, setup) && s.track.knows_motion();
+  BeamTable beams;
+  BeamCounts counts;
+  select_beams(scan, setup, deskew ? &s.track : nullptr, s.config.sensor, s.map.resolution_m, beams, counts);
+  return beams;
+}
 BeamCounts ParticleFilter::beam_counts() const {
   BeamCounts sum;
   for (const LidarUse& lidar : state_->used) add(sum, lidar.beams);

@@ -8,10 +8,12 @@
 #include <vector>
 
 #include "common/filter/config.h"
+#include "common/filter/start.h"
 #include "common/io/log.h"
 #include "common/map/grid_map.h"
 #include "common/math/pose.h"
 #include "common/model/beam_counts.h"
+#include "common/model/beams.h"
 
 namespace parloc {
 
@@ -62,6 +64,15 @@ class ParticleFilter {
   /// Uniform over the free cells.
   void start_anywhere();
 
+  /// About several guesses, each with its share of the particles. Throws Error{input} if there is none, or one
+  /// is not finite.
+  void start_at(const std::vector<PoseGuess>& guesses);
+  /// Puts the particles there in the middle of a run, which goes on: the next step does not move them if its
+  /// odometry is this one. Throws as start_at.
+  void relocate(const std::vector<PoseGuess>& guesses, const Pose& odometry);
+  /// From the next start on.
+  void set_seed(std::uint64_t seed);
+
   /// An odometry reading between steps, in any order: how the robot moves while a scan is taken. Matters only
   /// for scans that take time, and those also know the odometry of the steps; readings up to the last beam's
   /// time, given before the step, spare it a guess.
@@ -76,6 +87,8 @@ class ParticleFilter {
   /// The particles of the last step (downloads them); at most `most`, evenly by slot. Weights are shares of
   /// all.
   std::vector<Particle> particles(std::size_t most = SIZE_MAX) const;
+  /// The beams of a scan as a step would take them, by the odometry known so far.
+  BeamTable beams(const Scan& scan) const;
   BeamCounts beam_counts() const;                    ///< Summed since the start, over all LiDARs.
   const std::vector<LidarUse>& lidars_used() const;  ///< By LiDAR, in the order in which they came.
   /// Where the beams of a scan ended, in the base frame at its stamp, decimation apart, by the odometry known

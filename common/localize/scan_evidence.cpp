@@ -1,4 +1,4 @@
-#include "common/filter/scan_evidence.h"
+#include "common/localize/scan_evidence.h"
 
 #include <algorithm>
 #include <utility>
@@ -14,7 +14,7 @@ constexpr std::uint64_t kPlacesSeed = 17;  // any will do
 constexpr std::size_t kBins = 256;
 
 /// A beam mixture of its own, whatever the filter's model is: the outcome is compared with what was calibrated
-/// for it (common/filter/health.h). With much room for what is not on the map: people in front of a wall cost
+/// for it (common/localize/health.h). With much room for what is not on the map: people in front of a wall cost
 /// little, a beam that goes through a wall costs much.
 SensorConfig evidence_model() {
   SensorConfig c = default_sensor(SensorModel::beam);

@@ -1,4 +1,4 @@
-#include "common/filter/health.h"
+#include "common/localize/health.h"
 
 #include "common/math/portable.h"
 
