@@ -208,8 +208,13 @@ SearchResult GlobalSearch::search(const BeamTable& beams, const SearchPrior& pri
   }
   result.hypotheses = rank(std::move(all), s.separation(), s.config.effective_beams);
   const std::size_t most = static_cast<std::size_t>(s.config.most);
-  if (result.hypotheses.size() > 1)
-    result.ambiguous = result.hypotheses[1].weight >= s.config.ambiguous_share * result.hypotheses[0].weight;
+  result.too_many = found.size() == static_cast<std::size_t>(s.config.candidates);
+  result.ambiguous = result.too_many;
+  for (std::size_t n = 0; n < result.hypotheses.size(); ++n) {
+    Hypothesis& h = result.hypotheses[n];
+    h.as_good = h.weight >= s.config.ambiguous_share * result.hypotheses[0].weight;
+    result.ambiguous = result.ambiguous || (n > 0 && h.as_good);
+  }
   if (result.hypotheses.size() > most) result.hypotheses.resize(most);
   return result;
 }

@@ -26,14 +26,16 @@ struct Hypothesis {
   double unmapped = 0.0;        ///< ... that end before the map's wall.
   double log_likelihood = 0.0;  ///< Of the beam model with its defaults: mean over the beams.
   double weight = 0.0;          ///< Share among all hypotheses that were judged.
+  bool as_good = false;         ///< As good as the first (which is, too).
 };
 
 struct SearchResult {
   std::vector<Hypothesis> hypotheses;  ///< The most likely first; separated; may be empty.
-  bool ambiguous = false;              ///< Another one is as good as the first.
-  std::size_t beams = 0;               ///< Hits that the exhaustive part looked at.
-  std::size_t headings = 0;            ///< Of the lattice.
-  std::size_t candidates = 0;          ///< Separated lattice poses that were judged.
+  bool ambiguous = false;  ///< Another one is as good as the first, or there were too many to judge them all.
+  std::size_t beams = 0;   ///< Hits that the exhaustive part looked at.
+  std::size_t headings = 0;    ///< Of the lattice.
+  std::size_t candidates = 0;  ///< Separated lattice poses that were judged.
+  bool too_many = false;       ///< There may be more than those.
 };
 
 /// Not thread-safe; one object per map. Deterministic: the same map, configuration and beams give the same

@@ -19,8 +19,8 @@ struct SearchConfig {
   double least_share = 0.8;      ///< Nor is one below this share of the best score.
   double separation_m = 1.0;     ///< Hypotheses differ by as much in place ...
   double separation_rad = 0.35;  ///< ... or by as much in heading.
-  int candidates = 40;           ///< Separated lattice poses that rays are cast for.
-  int most = 5;                  ///< Hypotheses in the answer.
+  int candidates = 300;          ///< Separated lattice poses that rays are cast for.
+  int most = 10;                 ///< Hypotheses in the answer.
   double effective_beams = 6.0;  ///< Independent beams that a scan is worth: how sharply weights differ.
   double ambiguous_share = 0.1;  ///< A weight above this share of the best is as good as equal.
   BackendChoice backend = BackendChoice::automatic;

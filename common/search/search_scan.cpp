@@ -33,8 +33,8 @@ std::int32_t headings_for(const SearchScan& scan, double cell_m, const SearchCon
     farthest_m = std::max(farthest_m, std::sqrt(x * x + y * y));
   }
   const double wanted = 2.0 * kPi * farthest_m / (config.heading_cells * cell_m);
-  const double limited = std::clamp(wanted, 72.0, static_cast<double>(config.max_headings));
-  return (static_cast<std::int32_t>(limited) / kDiveStep + 1) * kDiveStep;
+  const double rounds = std::ceil(std::clamp(wanted, 72.0, 1e6) / kDiveStep);
+  return kDiveStep * std::min(static_cast<std::int32_t>(rounds), config.max_headings / kDiveStep);
 }
 
 std::int32_t offset_of(double distance_cells) {
