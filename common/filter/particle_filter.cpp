@@ -311,6 +311,9 @@ BeamTable ParticleFilter::beams(const Scan& scan) const {
   select_beams(scan, setup, deskew ? &s.track : nullptr, s.config.sensor, s.map.resolution_m, beams, counts);
   return beams;
 }
+const std::optional<Pose>& ParticleFilter::odometry() const {
+  return state_->odometry;
+}
 BeamCounts ParticleFilter::beam_counts() const {
   BeamCounts sum;
   for (const LidarUse& lidar : state_->used) add(sum, lidar.beams);

@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "common/localize/scan_evidence.h"
+#include "common/math/portable64.h"
 #include "common/search/global_search.h"
 
 namespace parloc {
@@ -11,9 +12,25 @@ namespace {
 
 /// Particles are put about a hypothesis with this spread: of the search's last refinement.
 constexpr double kFoundSigma_m = 0.07, kFoundSigma_rad = 0.035;
+constexpr double kModeSigma_m = 0.05, kModeSigma_rad = 0.02;  ///< And about what it already stands for.
 /// No hypothesis gets fewer particles than this share of an equal part: a wrong ranking must be able to turn.
 constexpr double kLeastShare = 0.25;
 constexpr double kLeastMode = 0.02;
+/// Shares of all that the search finds: from here on there is no doubt, and up to here none worth a particle.
+constexpr double kNoDoubt = 0.98, kNoMatter = 0.02;
+/// A hypothesis this close to a mode is the same place.
+constexpr double kSame_m = 1.0, kSame_rad = 0.5;
+
+double turn_between(const Pose& a, const Pose& b) {
+  return std::fabs(wrap64(a.theta_rad - b.theta_rad));
+}
+double distance_between(const Pose& a, const Pose& b) {
+  const double dx = a.x_m - b.x_m, dy = a.y_m - b.y_m;
+  return std::sqrt(dx * dx + dy * dy);
+}
+bool same_place(const Pose& a, const Pose& b) {
+  return distance_between(a, b) < kSame_m && turn_between(a, b) < kSame_rad;
+}
 
 }  // namespace
 
@@ -21,8 +38,10 @@ struct Localizer::State {
   State(const LocalizerConfig& c, const GridMap& map)
       : config(c), filter(c.filter, map), search(map, c.search), evidence(map), T_map_grid(map.T_map_grid) {}
 
-  bool search_is_due(double stamp_s) const;
-  bool look_everywhere(const Pose& odometry, const Scan& scan, LocalizerEstimate& out);
+  bool search_is_due(const Pose& odometry, double stamp_s) const;
+  std::vector<Hypothesis> search_map(const Pose& odometry, const Scan& scan, LocalizerEstimate& out);
+  void look_everywhere(const Pose& odometry, const Scan& scan, LocalizerEstimate& out);
+  void look_for_others(const Pose& odometry, const Scan& scan, LocalizerEstimate& out);
   void judge(const Scan& scan, LocalizerEstimate& out);
 
   LocalizerConfig config;
@@ -32,34 +51,68 @@ struct Localizer::State {
   Pose T_map_grid;
   SearchPrior prior;
   HealthMonitor monitor;
-  bool lost = true;  // search at the next scan
+  bool lost = true;      // search at the next scan
+  bool settled = false;  // else there may be other places, as good as the filter's
   std::optional<double> searched_s;
+  Pose searched_odometry;
   std::size_t searches = 0;
   Health last;
 };
 
-bool Localizer::State::search_is_due(double stamp_s) const {
-  if (!lost || (searches > 0 && !config.recover)) return false;
-  return !searched_s || std::fabs(stamp_s - *searched_s) >= config.search_every_s;
+bool Localizer::State::search_is_due(const Pose& odometry, double stamp_s) const {
+  if (settled || (searches > 0 && !config.recover)) return false;
+  if (!searched_s) return true;
+  if (std::fabs(stamp_s - *searched_s) < config.search_every_s) return false;
+  return lost || distance_between(odometry, searched_odometry) >= config.search_every_m ||
+         turn_between(odometry, searched_odometry) >= config.search_every_rad;
 }
 
-/// Puts the particles where the scan may have been taken; false if it fits nowhere.
-bool Localizer::State::look_everywhere(const Pose& odometry, const Scan& scan, LocalizerEstimate& out) {
-  const SearchResult result = search.search(filter.beams(scan), prior);
+std::vector<Hypothesis> Localizer::State::search_map(const Pose& odometry, const Scan& scan,
+                                                     LocalizerEstimate& out) {
+  SearchResult result = search.search(filter.beams(scan), prior);
   searched_s = scan.stamp_s;
+  searched_odometry = odometry;
   ++searches;
   out.searched = true;
   out.found = result.hypotheses.size();
-  if (result.hypotheses.empty()) return false;
-  const double equal = 1.0 / static_cast<double>(result.hypotheses.size());
+  return std::move(result.hypotheses);
+}
+
+/// Puts the particles where the scan may have been taken. Leaves them where they are if it fits nowhere.
+void Localizer::State::look_everywhere(const Pose& odometry, const Scan& scan, LocalizerEstimate& out) {
+  const std::vector<Hypothesis> found = search_map(odometry, scan, out);
+  if (found.empty()) return;
+  const double equal = 1.0 / static_cast<double>(found.size());
   std::vector<PoseGuess> guesses;
-  for (const Hypothesis& h : result.hypotheses)
-    guesses.push_back(
-        {h.pose, kFoundSigma_m, kFoundSigma_rad, std::max(h.weight, kLeastShare * equal)});
+  for (const Hypothesis& h : found)
+    guesses.push_back({h.pose, kFoundSigma_m, kFoundSigma_rad, std::max(h.weight, kLeastShare * equal)});
   filter.relocate(guesses, odometry);
   monitor.reset();
   lost = false;
-  return true;
+  settled = found[0].weight >= kNoDoubt;
+}
+
+/// Whether another place explains this scan, too. If so, it gets its share of the particles; if not, and the
+/// filter has made up its mind, that is settled.
+void Localizer::State::look_for_others(const Pose& odometry, const Scan& scan, LocalizerEstimate& out) {
+  const Pose moved = relative(odometry, *filter.odometry());
+  std::vector<Mode> modes = find_modes(filter.particles(), kLeastMode);
+  for (Mode& mode : modes) mode.pose = compose(mode.pose, moved);
+  std::vector<PoseGuess> others;
+  double elsewhere = 0.0;
+  for (const Hypothesis& h : search_map(odometry, scan, out)) {
+    const auto known = [&](const Mode& mode) { return same_place(mode.pose, h.pose); };
+    if (h.weight < kNoMatter || std::any_of(modes.begin(), modes.end(), known)) continue;
+    others.push_back({h.pose, kFoundSigma_m, kFoundSigma_rad, h.weight});
+    elsewhere += h.weight;
+  }
+  if (others.empty()) {
+    settled = out.found > 0 && !modes.empty() && modes[0].weight >= 1.0 - kNoMatter;
+    return;
+  }
+  for (const Mode& mode : modes)
+    others.push_back({mode.pose, kModeSigma_m, kModeSigma_rad, (1.0 - elsewhere) * mode.weight + 1e-6});
+  filter.relocate(others, odometry);
 }
 
 /// Health of the estimate, and the other places while there are some.
@@ -69,6 +122,8 @@ void Localizer::State::judge(const Scan& scan, LocalizerEstimate& out) {
       evidence.per_beam(filter.beams(scan), relative(heaviest.mean, T_map_grid));
   last = monitor.update(scan.stamp_s, fits, heaviest.weight);
   lost = last.state == HealthState::lost;
+  if (lost) settled = false;
+  if (last.state == HealthState::tracking && !settled) last.state = HealthState::ambiguous;
 }
 
 Localizer::Localizer(const LocalizerConfig& config, const GridMap& map)
@@ -83,6 +138,7 @@ void Localizer::start_at(const std::vector<PoseGuess>& guesses) {
   s.monitor.reset();
   s.prior = {};
   s.lost = false;
+  s.settled = guesses.size() == 1;
   s.searched_s.reset();
   s.searches = 0;
   s.last = {};
@@ -94,6 +150,7 @@ void Localizer::start_anywhere(const SearchPrior& prior) {
   s.monitor.reset();
   s.prior = prior;
   s.lost = true;
+  s.settled = false;
   s.searched_s.reset();
   s.searches = 0;
   s.last = {};
@@ -110,7 +167,8 @@ void Localizer::add_odometry(double stamp_s, const Pose& odometry) {
 LocalizerEstimate Localizer::step(const Pose& odometry, const Scan& scan) {
   State& s = *state_;
   LocalizerEstimate out;
-  if (s.search_is_due(scan.stamp_s)) s.look_everywhere(odometry, scan, out);
+  if (s.search_is_due(odometry, scan.stamp_s))
+    s.lost ? s.look_everywhere(odometry, scan, out) : s.look_for_others(odometry, scan, out);
   out.filter = s.filter.step(odometry, scan);
   if (out.filter.weighted) s.judge(scan, out);
   out.health = s.last;
