@@ -52,8 +52,7 @@ TrialLog simulate_trial(const TrialPlan& plan, const Scenario& scenario, const G
   if (plan.task != TrialTask::kidnap) return log;
   // The robot is put down elsewhere; its odometry and its clock go on.
   const double shift_s = log.truth.back().stamp_s + 1.0 / scenario.scan_rate_hz;
-  SimulatedLog second =
-      simulate_drive(plan, scenario, map, area, 2 * seed + 1, log.records.back().odometry);
+  SimulatedLog second = simulate_drive(plan, scenario, map, area, 2 * seed + 1, log.records.back().odometry);
   for (LogRecord& record : second.records) {
     record.stamp_s += shift_s;
     record.scan.stamp_s += shift_s;
@@ -79,7 +78,9 @@ TrialOutcome judge_trial(const TrialPlan& plan, const std::vector<TrialSample>& 
       outcome.noticed_after_s = s.stamp_s - since_s;
     if (right && lost && !was_lost) ++outcome.false_lost;
     was_lost = lost;
-    if (tracking && !right) {
+    const bool grace =
+        plan.task == TrialTask::kidnap && s.stamp_s >= since_s && s.stamp_s < since_s + plan.grace_s;
+    if (tracking && !right && !grace) {
       ++outcome.confident_wrong;
       if (!wrong_since_s) wrong_since_s = s.stamp_s;
       outcome.confident_wrong_s = std::max(outcome.confident_wrong_s, s.stamp_s - *wrong_since_s);

@@ -9,10 +9,10 @@
 #include "common/eval/calibration.h"
 #include "common/eval/scenario.h"
 #include "common/eval/wander.h"
-#include "common/localize/health.h"
 #include "common/filter/particle_filter.h"
 #include "common/io/log.h"
 #include "common/io/trajectory.h"
+#include "common/localize/health.h"
 #include "common/map/grid_map.h"
 
 namespace parloc {
@@ -30,7 +30,8 @@ struct TrialPlan {
   double speed_mps = 0.5;
   double turn_rate_rad_s = 0.8;
   double near_m = 0.5, near_rad = 0.17453292519943295;  ///< Closer than this is right.
-  double hold_s = 10.0;  ///< Localized: right, and for so long from there.
+  double hold_s = 10.0;                                 ///< Localized: right, and for so long from there.
+  double grace_s = 2.0;  ///< After a kidnapping, in which it need not have noticed yet.
 };
 
 /// What the robot records, and where it truly is.
@@ -57,10 +58,10 @@ struct TrialSample {
 };
 
 struct TrialOutcome {
-  std::optional<double> localized_after_s;    ///< From the start, or from the kidnapping.
-  std::optional<double> noticed_after_s;      ///< kidnap: until it no longer says `tracking`.
+  std::optional<double> localized_after_s;  ///< From the start, or from the kidnapping.
+  std::optional<double> noticed_after_s;    ///< kidnap: until it no longer says `tracking`.
   std::size_t samples = 0, right = 0;
-  std::size_t confident_wrong = 0;  ///< Samples with `tracking` that are wrong.
+  std::size_t confident_wrong = 0;  ///< Samples with `tracking` that are wrong, but in the time of grace.
   double confident_wrong_s = 0.0;   ///< The longest stretch of these.
   std::size_t false_lost = 0;       ///< Times that it turned to `lost` while right.
   double squared_error_m2 = 0.0, nees_sum = 0.0;  ///< Over the samples since it was localized.

@@ -65,8 +65,8 @@ class ParticleFilter {
   /// Uniform over the free cells.
   void start_anywhere();
 
-  /// About several guesses, each with its share of the particles. Throws Error{input} if there is none, or one
-  /// is not finite.
+  /// About several guesses, each with its share of the particles. Throws Error{input} if there is none, or
+  /// one is not finite.
   void start_at(const std::vector<PoseGuess>& guesses);
   /// Puts the particles there in the middle of a run, which goes on: the next step does not move them if its
   /// odometry is this one. Throws as start_at.
@@ -90,7 +90,7 @@ class ParticleFilter {
   std::vector<Particle> particles(std::size_t most = SIZE_MAX) const;
   /// The beams of a scan as a step would take them, by the odometry known so far.
   BeamTable beams(const Scan& scan) const;
-  const std::optional<Pose>& odometry() const;  ///< Of the last step.
+  const std::optional<Pose>& odometry() const;       ///< Of the last step.
   BeamCounts beam_counts() const;                    ///< Summed since the start, over all LiDARs.
   const std::vector<LidarUse>& lidars_used() const;  ///< By LiDAR, in the order in which they came.
   /// Where the beams of a scan ended, in the base frame at its stamp, decimation apart, by the odometry known

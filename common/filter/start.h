@@ -21,7 +21,8 @@ struct PoseGuess {
   double weight = 1.0;  ///< Relative to the others; above 0.
 };
 
-/// Gaussians about several guesses, each with its share of the particles. `step` tells draws of one run apart.
+/// Gaussians about several guesses, each with its share of the particles. `step` tells draws of one run
+/// apart.
 ParticleSet mixture_start(const GridMap& map, const std::vector<PoseGuess>& guesses, std::int64_t particles,
                           std::uint64_t seed, std::uint32_t step);
 

@@ -7,7 +7,8 @@ namespace {
 
 constexpr double kMemory_s = 0.4;  // of the running mean
 
-/// Logistic regression of "is right" on the evidence: docs/results/health.md says on what, and how well it fits.
+/// Logistic regression of "is right" on the evidence: docs/results/health.md says on what, and how well it
+/// fits.
 constexpr double kOffset = -3.0, kSlope = 6.0;
 
 constexpr double kLost = 0.25, kFound = 0.5;  // apart, so that it does not flicker
@@ -36,7 +37,7 @@ Health HealthMonitor::update(double stamp_s, double evidence, double share) {
   const double logit = kOffset + kSlope * evidence_;
   const double fits = 1.0 / (1.0 + static_cast<double>(portable_exp(static_cast<float>(-logit))));
   lost_ = lost_ ? fits < kFound : fits < kLost;
-  const HealthState state = lost_              ? HealthState::lost
+  const HealthState state = lost_               ? HealthState::lost
                             : share < kOnePlace ? HealthState::ambiguous
                                                 : HealthState::tracking;
   return {fits * share, evidence_, state};

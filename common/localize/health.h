@@ -22,8 +22,8 @@ class HealthMonitor {
   /// Forgets what was seen: the filter starts anew.
   void reset();
 
-  /// After a scan was weighed. `evidence` is that of the scan at the estimated pose, `share` the weight of the
-  /// particles around that pose, 0 to 1. The probability is that of the scans, calibrated
+  /// After a scan was weighed. `evidence` is that of the scan at the estimated pose, `share` the weight of
+  /// the particles around that pose, 0 to 1. The probability is that of the scans, calibrated
   /// (docs/results/health.md), times the share.
   Health update(double stamp_s, double evidence, double share);
 

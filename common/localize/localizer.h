@@ -17,14 +17,14 @@ namespace parloc {
 struct LocalizerConfig {
   FilterConfig filter;
   SearchConfig search;
-  bool recover = true;         ///< Search again when lost. Else it only says so.
+  bool recover = true;          ///< Search again when lost. Else it only says so.
   double search_every_s = 0.5;  ///< Between two searches at least, and while it is not lost also ...
   double search_every_m = 0.3, search_every_rad = 0.3;  ///< ... this much of driving or turning.
 };
 
 /// What a localizer says after a scan.
 struct LocalizerEstimate {
-  Estimate filter;          ///< Its pose is in filter.pose.
+  Estimate filter;  ///< Its pose is in filter.pose.
   Health health;
   std::vector<Mode> modes;  ///< While `ambiguous`: the places that are possible, most likely first.
   bool searched = false;    ///< The whole map was searched at this scan.

@@ -68,7 +68,8 @@ std::vector<Mode> find_modes(const std::vector<Particle>& particles, double leas
     if (s.weight < least * total) continue;
     modes.push_back({{s.x / s.weight, s.y / s.weight, portable_atan2_64(s.sin, s.cos)}, s.weight / total});
   }
-  std::stable_sort(modes.begin(), modes.end(), [](const Mode& a, const Mode& b) { return a.weight > b.weight; });
+  std::stable_sort(modes.begin(), modes.end(),
+                   [](const Mode& a, const Mode& b) { return a.weight > b.weight; });
   return modes;
 }
 

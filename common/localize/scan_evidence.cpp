@@ -13,9 +13,9 @@ constexpr std::int64_t kPlaces = 2048;     // rays that chance is learnt from
 constexpr std::uint64_t kPlacesSeed = 17;  // any will do
 constexpr std::size_t kBins = 256;
 
-/// A beam mixture of its own, whatever the filter's model is: the outcome is compared with what was calibrated
-/// for it (common/localize/health.h). With much room for what is not on the map: people in front of a wall cost
-/// little, a beam that goes through a wall costs much.
+/// A beam mixture of its own, whatever the filter's model is: the outcome is compared with what was
+/// calibrated for it (common/localize/health.h). With much room for what is not on the map: people in front
+/// of a wall cost little, a beam that goes through a wall costs much.
 SensorConfig evidence_model() {
   SensorConfig c = default_sensor(SensorModel::beam);
   c.z_hit = 0.5, c.z_short = 0.4, c.z_max = 0.05, c.z_rand = 0.05;

@@ -18,9 +18,9 @@ class ScanEvidence {
   /// Built once per map. Throws Error{input} for a map without free cells.
   explicit ScanEvidence(const GridMap& map);
 
-  /// Mean over the beams, hits and misses, of the logarithm of the ratio [nat]: about 1 to 2 where the robot is,
-  /// below 0 where it is not. 0 for a scan without beams. Of a range_max_m that was not seen before the first
-  /// call takes milliseconds. Deterministic on every machine.
+  /// Mean over the beams, hits and misses, of the logarithm of the ratio [nat]: about 1 to 2 where the robot
+  /// is, below 0 where it is not. 0 for a scan without beams. Of a range_max_m that was not seen before the
+  /// first call takes milliseconds. Deterministic on every machine.
   double per_beam(const BeamTable& beams, const Pose& pose_in_grid);
 
  private:
@@ -28,7 +28,7 @@ class ScanEvidence {
 
   PoseRays rays_;
   std::vector<float> anywhere_x_m_, anywhere_y_m_, anywhere_heading_rad_;  // random poses on free cells
-  float range_max_m_ = 0.0f;          // that the chance is known for
+  float range_max_m_ = 0.0f;                                               // that the chance is known for
   std::vector<float> chance_of_hit_;  // log density by range, in equal bins up to range_max_m_
   float chance_of_miss_ = 0.0f;       // log probability
   std::vector<float> expected_m_;     // of the scan at hand
