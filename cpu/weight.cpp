@@ -124,7 +124,7 @@ void weight_by_rays(const WeightArgs& a, const Model& model, Workers& workers) {
   const float* stored_m = r.expected_m;
   float* log_weight = r.particles.log_weight;
   const MostOfRest rest = most_of_rest(model, beams);
-  Contest contest(r.particles.count);
+  Contest contest(r.particles.capacity);
   const auto loop = [&](std::size_t begin, std::size_t end) PARLOC_SIMD_LOOP {
     alignas(64) float row[kRangeRoom];
     Travellers on;
@@ -143,7 +143,7 @@ void weight_by_rays(const WeightArgs& a, const Model& model, Workers& workers) {
       contest.enter(log_weight[i]);
     }
   };
-  parallel_blocks(r.particles.count, workers.threads, 1, loop);
+  parallel_blocks(r.particles.count(), workers.threads, 1, loop);
 }
 
 template <bool kBilinear, bool kJudged>
@@ -155,7 +155,7 @@ void weight_by_field(const WeightArgs& a, Workers& workers) {
       log_weight[i] = tempered_log_weight(log_weight[i], sum, a.tempering);
     }
   };
-  parallel_blocks(a.rays.particles.count, workers.threads, 1, loop);
+  parallel_blocks(a.rays.particles.count(), workers.threads, 1, loop);
 }
 
 }  // namespace

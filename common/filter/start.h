@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <vector>
 
 #include "common/filter/backend.h"
 #include "common/map/grid_map.h"
@@ -12,6 +13,9 @@ namespace parloc {
 /// map's axes.
 ParticleSet gaussian_start(const GridMap& map, const Pose& pose_in_map, double sigma_x_m, double sigma_y_m,
                            double sigma_theta_rad, std::int64_t particles, std::uint64_t seed);
+
+/// Row-major indices of the free cells. Throws Error{input} if there are none.
+std::vector<std::uint32_t> free_cells(const GridMap& map);
 
 /// Uniform over the free cells and all headings. Throws Error{input} for a map without free cells.
 ParticleSet uniform_start(const GridMap& map, std::int64_t particles, std::uint64_t seed);
