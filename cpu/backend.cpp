@@ -143,9 +143,10 @@ class CpuBackend final : public Backend {
 
   void estimate() override { cpu::estimate(view(now_), weights_view(), bins_view(), &state_, workers_); }
 
-  void adapt(RandomKey key) override {
+  void adapt(RandomKey key, bool all) override {
     if (!config_.adapts()) return;
-    const KldRule rule = bind_kld(config_.kld, config_.min_particles, config_.particles);
+    const KldRule usual = bind_kld(config_.kld, config_.min_particles, config_.particles);
+    const KldRule rule = all ? rule_for_all(usual) : usual;
     cpu::adapt({view(now_), view(other_), weights_view(), rule, free_space(), key, bins_view(), &state_},
                workers_);
   }

@@ -13,7 +13,7 @@ void predict(const PredictArgs& args, Workers& workers) {
     float* __restrict theta = p.theta;
     for (std::size_t i = begin; i < end; ++i)
       predict_one(x[i], y[i], theta[i], motion, static_cast<std::uint32_t>(i), key.step, key.seed);
-    if (motion.spread_xy <= 0.0f && motion.spread_theta <= 0.0f) return;
+    if (!widens(motion)) return;
     for (std::size_t i = begin; i < end; ++i)
       spread_one(x[i], y[i], theta[i], motion, static_cast<std::uint32_t>(i), key.step, key.seed);
   });

@@ -11,8 +11,10 @@ PARLOC_HD std::uint64_t earliness(std::uint64_t j) {
   return 0xffffffffu - j;
 }
 
-PARLOC_HD AdaptArgs with_key(AdaptArgs a, const StepInput& input) {
+/// `a` as it is in this step.
+PARLOC_HD AdaptArgs with_input(AdaptArgs a, const StepInput& input) {
   a.key = input.key;
+  if (input.all_particles != 0) a.rule = rule_for_all(a.rule);
   return a;
 }
 
@@ -24,7 +26,7 @@ struct EnterCandidates {
   PARLOC_HD void operator()(const Thread& me) const {
     if (me.first() == 0) *best = 0;
     if (args.state->resample == 0) return;
-    const AdaptArgs a = with_key(args, *input);
+    const AdaptArgs a = with_input(args, *input);
     for (std::size_t j = me.first(); j < a.rule.most; j += me.stride()) {
       const std::uint32_t slot = bin_find_or_make(a.bins, candidate_bin(a, static_cast<std::uint32_t>(j)));
       atomic_raise(&a.bins.weight[slot], earliness(j));
@@ -45,10 +47,12 @@ struct MarkFirst {
 
 /// The earliest candidate by which there are as many as its bins need.
 struct FindEnough {
-  AdaptArgs a;
+  AdaptArgs args;
+  const StepInput* input;
   std::uint64_t* best;
   PARLOC_HD void operator()(const Thread& me) const {
-    if (a.state->resample == 0) return;
+    if (args.state->resample == 0) return;
+    const AdaptArgs a = with_input(args, *input);
     for (std::size_t j = me.first(); j < a.rule.most; j += me.stride())
       if (j + 1 >= kld_needed(a.rule, a.first[j])) atomic_raise(best, earliness(j));
   }
@@ -72,7 +76,7 @@ void adapt(const AdaptArgs& a, const StepInput* input, Scratch& scratch, Stream 
   launch(EnterCandidates{a, input, best}, blocks, stream);
   launch(MarkFirst{a}, blocks, stream);
   inclusive_scan(a.first, a.first, a.rule.most, scratch, stream);
-  launch(FindEnough{a, best}, blocks, stream);
+  launch(FindEnough{a, input, best}, blocks, stream);
   launch(SetCount{a, best}, 1, stream);
   clear_used_bins(a.bins, a.rule.most, stream);
 }

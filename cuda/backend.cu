@@ -183,10 +183,11 @@ class CudaBackend final : public Backend {
   }
   void normalise_scan() override { plan(kNormalise); }
   void estimate() override { plan(kEstimate); }
-  void adapt(RandomKey key) override {
+  void adapt(RandomKey key, bool all) override {
     if (!config_.adapts()) return;
     plan(kAdapt);
     use_key(key);
+    input_.host().all_particles = all ? 1 : 0;
   }
   void resample(RandomKey key) override {
     plan(kResample);

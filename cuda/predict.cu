@@ -9,7 +9,7 @@ struct Predict {
   PARLOC_HD void operator()(const Thread& me) const {
     const MotionStep motion = input->motion;
     const RandomKey key = input->key;
-    const bool spread = motion.spread_xy > 0.0f || motion.spread_theta > 0.0f;
+    const bool spread = widens(motion);
     const std::size_t count = p.count();
     for (std::size_t i = me.first(); i < count; i += me.stride()) {
       const std::uint32_t slot = static_cast<std::uint32_t>(i);

@@ -63,8 +63,9 @@ class Backend {
   virtual void weight(bool fused) = 0;
   virtual void normalise_scan() = 0;
   virtual void estimate() = 0;
-  /// Chooses how many particles resample() makes. Nothing for a fixed number.
-  virtual void adapt(RandomKey key) = 0;
+  /// Chooses how many particles resample() makes; `all`: if it makes any, as many as there can be. Nothing
+  /// for a fixed number.
+  virtual void adapt(RandomKey key, bool all) = 0;
   virtual void resample(RandomKey key) = 0;
   virtual StepState finish() = 0;
 

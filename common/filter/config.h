@@ -122,8 +122,8 @@ struct RecoveryConfig {
   double recovery_alpha_fast = 0.0;   ///< ... both 0: nothing is ever drawn from free space.
   double expansion_likelihood = 0.0;  ///< Likelihood per beam below which the cloud is widened; 0: never.
   int expansion_scans = 5;            ///< So many such scans in a row.
-  double expansion_sigma_xy = 0.1;    ///< Added noise of the first widening; it grows by as much each [m].
-  double expansion_sigma_theta = 0.05;  ///< [rad]
+  double expansion_sigma_xy = 0.5;    ///< Noise of the first widening; it grows by as much each [m].
+  double expansion_sigma_theta = 0.3;  ///< [rad]
 };
 
 enum class EstimateMode { mean, cluster };

@@ -51,6 +51,13 @@ PARLOC_HD std::uint32_t kld_needed(const KldRule& rule, std::uint64_t bins) {
   return needed > rule.fewest ? needed : rule.fewest;
 }
 
+/// The rule before the cloud is widened: as many as there can be. What the bins of now ask for would be too
+/// few for where the particles are about to be strewn.
+PARLOC_HD KldRule rule_for_all(KldRule rule) {
+  rule.fewest = rule.most;
+  return rule;
+}
+
 PARLOC_HD std::uint64_t kld_bin(const KldRule& rule, const GridPose& p) {
   const auto index = [&](float metres) {
     const float bins = min_of(max_of(metres * rule.bins_per_m, -8e6f), 8e6f);

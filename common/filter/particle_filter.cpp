@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <optional>
+#include <utility>
 
 #include "common/error.h"
 #include "common/filter/backend.h"
@@ -96,6 +97,7 @@ struct ParticleFilter::State {
   Estimate last;
   std::size_t jumps = 0, invalid = 0, steps = 0;
   int unlikely_scans = 0;  // in a row, up to the last one
+  int widenings_due = 0;   // in units of the configured noise, in the next step
   bool started = false;
   Sha256 estimates;
 
@@ -104,7 +106,8 @@ struct ParticleFilter::State {
   std::size_t lidar_of(const Scan& scan);
   bool gated(const std::optional<Pose>& before, const Pose& now) const;
   MotionStep motion(const OdometryIncrement& u);
-  double widening() const;
+  bool may_widen_next() const;
+  void watch_likelihood(const Estimate& e);
   bool take_in(const Scan& scan, std::size_t lidar);
   void remember(const Estimate& e);
 };
@@ -117,7 +120,7 @@ void ParticleFilter::State::begin(ParticleSet set) {
   lidars.clear();
   last = {};
   jumps = invalid = steps = 0;
-  unlikely_scans = 0;
+  unlikely_scans = widenings_due = 0;
   estimates = {};
   started = true;
 }
@@ -143,17 +146,26 @@ MotionStep ParticleFilter::State::motion(const OdometryIncrement& u) {
   const bool jump = length_m > config.motion.max_jump_m;
   if (jump) ++jumps;
   MotionStep step = motion_step(u, config.motion, jump ? length_m / config.motion.max_jump_m : 1.0);
-  step.spread_xy = static_cast<float>(widening() * config.recovery.expansion_sigma_xy);
-  step.spread_theta = static_cast<float>(widening() * config.recovery.expansion_sigma_theta);
+  const double widenings = std::exchange(widenings_due, 0);
+  step.spread_xy = static_cast<float>(widenings * config.recovery.expansion_sigma_xy);
+  step.spread_theta = static_cast<float>(widenings * config.recovery.expansion_sigma_theta);
   return step;
 }
 
-/// Expansion resetting (Ueda et al. 2004): after some unlikely scans the cloud is widened where it is, after
-/// each further one by more. In units of the configured noise; 0: no need.
-double ParticleFilter::State::widening() const {
-  constexpr int kMost = 10;  // a step later nearly everything within metres has been tried
-  const int times = unlikely_scans - config.recovery.expansion_scans + 1;
-  return static_cast<double>(std::clamp(times, 0, kMost));
+/// Expansion resetting (Ueda et al. 2004): after some unlikely scans in a row the cloud is widened where it
+/// is, after as many more by twice as much, and so on. In between it has time to settle on the robot.
+void ParticleFilter::State::watch_likelihood(const Estimate& e) {
+  const RecoveryConfig& c = config.recovery;
+  constexpr int kMostWidenings = 10;
+  unlikely_scans = e.beam_likelihood < c.expansion_likelihood ? unlikely_scans + 1 : 0;
+  if (unlikely_scans > 0 && unlikely_scans % c.expansion_scans == 0)
+    widenings_due = std::min(unlikely_scans / c.expansion_scans, kMostWidenings);
+}
+
+/// If the scan of now is unlikely too.
+bool ParticleFilter::State::may_widen_next() const {
+  const RecoveryConfig& c = config.recovery;
+  return c.expansion_likelihood > 0.0 && (unlikely_scans + 1) % c.expansion_scans == 0;
 }
 
 /// Fills `beams`; whether there are enough of them to weigh.
@@ -190,8 +202,7 @@ bool ParticleFilter::State::take_in(const Scan& scan, std::size_t lidar) {
 void ParticleFilter::State::remember(const Estimate& e) {
   for (const double v : {e.pose.x_m, e.pose.y_m, e.pose.theta_rad, e.n_eff}) estimates.add(v);
   for (const double v : e.covariance.v) estimates.add(v);
-  if (e.weighted)
-    unlikely_scans = e.beam_likelihood < config.recovery.expansion_likelihood ? unlikely_scans + 1 : 0;
+  if (e.weighted) watch_likelihood(e);
   last = e;
 }
 
@@ -265,8 +276,8 @@ Estimate ParticleFilter::step(const Pose& odometry, const Scan& scan) {
   s.backend->normalise_scan();
   s.backend->estimate();  // eq. 13, with a circular mean; before resampling
   if (weighted) {
-    s.backend->adapt(s.key());     // Fox 2003, where the number of particles is not fixed
-    s.backend->resample(s.key());  // algorithm 4, when N_eff or the scans ask for it
+    s.backend->adapt(s.key(), s.may_widen_next());  // Fox 2003, where the number of particles is not fixed
+    s.backend->resample(s.key());                   // algorithm 4, when N_eff or the scans ask for it
   }
   const Estimate e = to_estimate(s.backend->finish(), s.config, s.map.T_map_grid, weighted);
   s.remember(e);

@@ -43,6 +43,10 @@ PARLOC_HD void predict_one(float& x, float& y, float& theta, const MotionStep& m
   theta = wrap(theta + (rot1 + rot2));
 }
 
+PARLOC_HD bool widens(const MotionStep& m) {
+  return m.spread_xy > 0.0f || m.spread_theta > 0.0f;
+}
+
 /// Adds the noise that widens the cloud: block 1 of stream `motion`, words -> x, y, theta.
 PARLOC_HD void spread_one(float& x, float& y, float& theta, const MotionStep& m, std::uint32_t slot,
                           std::uint32_t step, std::uint64_t seed) {

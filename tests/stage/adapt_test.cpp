@@ -3,8 +3,11 @@
 // up and down.
 #include <gtest/gtest.h>
 
+#include <atomic>
 #include <cmath>
+#include <cstdlib>
 #include <cstring>
+#include <new>
 #include <random>
 #include <set>
 
@@ -14,6 +17,23 @@
 #include "cpu/simd.h"
 #include "cpu/stages.h"
 #include "cuda/stages.h"
+
+namespace {
+std::atomic<std::size_t> allocations{0};
+}
+// Of the whole program, to count them.
+void* operator new(std::size_t size) {
+  ++allocations;
+  void* p = std::malloc(size > 0 ? size : 1);
+  if (p == nullptr) throw std::bad_alloc();
+  return p;
+}
+void operator delete(void* p) noexcept {
+  std::free(p);
+}
+void operator delete(void* p, std::size_t) noexcept {
+  std::free(p);
+}
 
 namespace parloc {
 namespace cuda_on_host {
@@ -287,7 +307,7 @@ Steps run(Backend& backend, const BackendConfig& config, std::int64_t start) {
     backend.normalise_scan();
     backend.estimate();
     if (step != 9) {
-      backend.adapt(key);
+      backend.adapt(key, step % 7 == 3);
       backend.resample(key);
     }
     t.states.push_back(backend.finish());
@@ -441,6 +461,40 @@ INSTANTIATE_TEST_SUITE_P(
              "class_conditional"},
         Case{SensorModel::likelihood_field_prob, ResampleScheme::systematic, 12000, 5, 0.02, false, "many"}),
     [](const auto& one) { return std::string(one.param.name); });
+
+// From the second step on, though the number goes up later than that.
+TEST(AdaptiveSteps, NothingIsAllocatedInAStep) {
+  BackendConfig c;
+  c.particles = 20000;
+  c.min_particles = 10;
+  c.threads = 1;  // a team of threads is the OpenMP library's
+  c.resample.threshold = 1.0;
+  c.recovery.recovery_alpha_slow = 0.05, c.recovery.recovery_alpha_fast = 0.6;
+  const GridMap map = room();
+  const auto backend = make_cpu_backend(c);
+  backend->set_map(map);
+  backend->upload(uniform_start(map, 50, 7));
+  std::vector<BeamTable> beams(16);
+  BeamCounts counts;
+  for (std::uint32_t k = 0; k < 16; ++k)
+    select_beams(fan(k), ScanConfig{}, c.sensor, map.resolution_m, beams[k], counts);
+  backend->set_range_max(beams[0].range_max_m);
+  std::size_t before = 0;
+  std::uint32_t most = 0;
+  for (std::uint32_t step = 0; step < 16; ++step) {
+    if (step == 1) before = allocations;
+    backend->predict({0.05f, 0.1f, -0.02f, 0.02f, 0.05f, 0.02f}, {99, step});
+    backend->set_scan(beams[step]);
+    backend->weight(true);
+    backend->normalise_scan();
+    backend->estimate();
+    backend->adapt({99, step}, step % 8 == 4);
+    backend->resample({99, step});
+    most = std::max(most, backend->finish().next_count);
+  }
+  EXPECT_EQ(allocations - before, 0u);
+  EXPECT_EQ(most, 20000u);
+}
 
 // A number that may not change and one that need not are the same filter.
 TEST(AdaptiveSteps, NothingElseChangesWithTheCapacity) {
