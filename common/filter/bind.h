@@ -90,8 +90,12 @@ inline WeightArgs bind_weight(const RayTraceArgs& rays, const LikelihoodField& f
 
 inline RecoveryRates bind_recovery(const RecoveryConfig& c) {
   if (c.recovery_alpha_slow <= 0.0 || c.recovery_alpha_fast <= 0.0) return {};
-  return {true, portable_log64(c.recovery_alpha_slow), portable_log64(1.0 - c.recovery_alpha_slow),
-          portable_log64(c.recovery_alpha_fast), portable_log64(1.0 - c.recovery_alpha_fast)};
+  return {true,
+          portable_log64(c.recovery_alpha_slow),
+          portable_log64(1.0 - c.recovery_alpha_slow),
+          portable_log64(c.recovery_alpha_fast),
+          portable_log64(1.0 - c.recovery_alpha_fast),
+          portable_log64(c.recovery_margin)};
 }
 
 inline NormaliseArgs bind_normalise(const Particles& particles, const Weights& weights,

@@ -203,6 +203,8 @@ void visit_fields(Config& c, Visitor&& visit) {
         r.recovery_alpha_slow, Real{0, 0.99});
   visit(Field{"recovery", "recovery_alpha_fast", "... of the fast one: below the slow, free space is tried"},
         r.recovery_alpha_fast, Real{0, 0.99});
+  visit(Field{"recovery", "recovery_margin", "... by so many times; 1: as soon as it is below (nav2)"},
+        r.recovery_margin, Real{1, 1000});
   visit(Field{"recovery", "expansion_likelihood", "Likelihood per beam that widens the cloud; 0: off"},
         r.expansion_likelihood, Real{0, 1000});
   visit(Field{"recovery", "expansion_scans", "... after so many scans below it in a row"}, r.expansion_scans,

@@ -1,6 +1,6 @@
 // Augmented recovery (Thrun, Burgard & Fox 2005, table 8.3) in logarithms and per beam (SPEC 6.3): two
-// running means of how likely the scans are; while the fast one is below the slow one, some of the offspring
-// are drawn from free space.
+// running means of how likely the scans are; while the fast one is below the slow one by more than a margin
+// (Gutmann & Fox 2002), some of the offspring are drawn from free space.
 //
 // The mean is geometric over the beams of a scan: the product over beams spans hundreds of decades, so that
 // its running mean would be the value of one scan. And it is a mean over the particles, not a sum, so that it
@@ -31,8 +31,8 @@ PARLOC_HD void average_likelihood(LikelihoodMeans& means, double scan, const Rec
 
 /// Share of the offspring to be drawn from free space.
 PARLOC_HD double injected_share(const LikelihoodMeans& means, const RecoveryRates& rates) {
-  if (!rates.on || !(means.fast < means.slow)) return 0.0;
-  return 1.0 - portable_exp64(means.fast - means.slow);
+  const double excess = means.fast - means.slow + rates.margin;
+  return rates.on && excess < 0.0 ? 1.0 - portable_exp64(excess) : 0.0;
 }
 
 /// Log-likelihood per beam of a scan that counts for `worth` independent beams and after which the weights

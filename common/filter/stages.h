@@ -149,6 +149,7 @@ struct RecoveryRates {
   bool on = false;
   double add_slow = 0, keep_slow = 0;
   double add_fast = 0, keep_fast = 0;
+  double margin = 0;  ///< Logarithm of the factor by which the fast mean may be below the slow one.
 };
 
 struct NormaliseArgs {

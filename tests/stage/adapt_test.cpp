@@ -21,17 +21,17 @@
 namespace {
 std::atomic<std::size_t> allocations{0};
 }
-// Of the whole program, to count them.
-void* operator new(std::size_t size) {
+// Of the whole program, to count them. Not inlined: gcc would take free() for a mistake.
+__attribute__((noinline)) void* operator new(std::size_t size) {
   ++allocations;
   void* p = std::malloc(size > 0 ? size : 1);
   if (p == nullptr) throw std::bad_alloc();
   return p;
 }
-void operator delete(void* p) noexcept {
+__attribute__((noinline)) void operator delete(void* p) noexcept {
   std::free(p);
 }
-void operator delete(void* p, std::size_t) noexcept {
+__attribute__((noinline)) void operator delete(void* p, std::size_t) noexcept {
   std::free(p);
 }
 
@@ -368,7 +368,9 @@ class AdaptiveSteps : public testing::TestWithParam<Case> {
     c.resample.scheme = GetParam().scheme;
     c.resample.threshold = 0.9;
     c.kld.pf_err = GetParam().pf_err;
-    if (GetParam().recovery) c.recovery.recovery_alpha_slow = 0.05, c.recovery.recovery_alpha_fast = 0.6;
+    if (GetParam().recovery)
+      c.recovery.recovery_alpha_slow = 0.05, c.recovery.recovery_alpha_fast = 0.6,
+      c.recovery.recovery_margin = 1.0;
     return c;
   }
   Steps cpu(std::int64_t start, int threads) const {
@@ -469,7 +471,8 @@ TEST(AdaptiveSteps, NothingIsAllocatedInAStep) {
   c.min_particles = 10;
   c.threads = 1;  // a team of threads is the OpenMP library's
   c.resample.threshold = 1.0;
-  c.recovery.recovery_alpha_slow = 0.05, c.recovery.recovery_alpha_fast = 0.6;
+  c.recovery.recovery_alpha_slow = 0.05, c.recovery.recovery_alpha_fast = 0.6,
+  c.recovery.recovery_margin = 1.0;
   const GridMap map = room();
   const auto backend = make_cpu_backend(c);
   backend->set_map(map);

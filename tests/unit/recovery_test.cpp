@@ -13,9 +13,10 @@
 namespace parloc {
 namespace {
 
-std::vector<double> shares(const std::vector<double>& scans, double slow, double fast) {
+std::vector<double> shares(const std::vector<double>& scans, double slow, double fast, double margin = 1.0) {
   RecoveryConfig config;
   config.recovery_alpha_slow = slow, config.recovery_alpha_fast = fast;
+  config.recovery_margin = margin;
   const RecoveryRates rates = bind_recovery(config);
   LikelihoodMeans means;
   std::vector<double> out;
@@ -41,6 +42,15 @@ TEST(Recovery, SharesOfPlainLikelihoods) {
   const double known[] = {0,           0,           0.009900990, 0.008900989, 0.087278733,
                           0.157859287, 0.221416721, 0.278648259, 0.260414172};
   for (std::size_t k = 0; k < 9; ++k) EXPECT_NEAR(p[k], known[k], 1e-9);
+}
+
+TEST(Recovery, TheMarginIsAFactor) {
+  const std::vector<double> scans = {0.0, std::log(0.2), std::log(0.2), std::log(0.2)};
+  const std::vector<double> none = shares(scans, 0.001, 0.5), twice = shares(scans, 0.001, 0.5, 2.0);
+  for (std::size_t k = 0; k < 4; ++k)
+    EXPECT_NEAR(twice[k], std::max(0.0, 1.0 - 2.0 * (1.0 - none[k])), 1e-14);
+  EXPECT_EQ(twice[1], 0.0);  // 0.6 of 0.9992
+  EXPECT_GT(twice[3], 0.3);  // 0.3 of 0.9976
 }
 
 TEST(Recovery, OffMeansNeverThoughTheLikelihoodIsKept) {
@@ -88,6 +98,7 @@ TEST(Recovery, ALikelihoodIsAMeanOverWhatTheWeightsWere) {
 TEST(Recovery, AStepWithoutAScanSaysNothing) {
   RecoveryConfig config;
   config.recovery_alpha_slow = 0.1, config.recovery_alpha_fast = 0.5;
+  config.recovery_margin = 1.0;
   const std::uint64_t one = std::uint64_t{1} << weight_bits(Tail::kCapacity);
   Tail t;
   t.rates = bind_recovery(config);
