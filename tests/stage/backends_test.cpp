@@ -3,6 +3,8 @@
 // the bit.
 #include <gtest/gtest.h>
 
+#include <array>
+#include <bit>
 #include <cmath>
 #include <cstdlib>
 #include <cstring>
@@ -120,8 +122,9 @@ testing::AssertionResult same_bits(const std::vector<T>& a, const std::vector<T>
 }
 /// In the order of Moments' members.
 testing::AssertionResult same_bits(const Moments& a, const Moments& b) {
-  constexpr std::size_t kCount = sizeof(Moments) / sizeof(double);
-  return same_bits(std::span<const double>(&a.weight, kCount), std::span<const double>(&b.weight, kCount));
+  using Values = std::array<double, sizeof(Moments) / sizeof(double)>;
+  const auto va = std::bit_cast<Values>(a), vb = std::bit_cast<Values>(b);
+  return same_bits(std::span<const double>(va), std::span<const double>(vb));
 }
 
 void expect_same(const Trace& a, const Trace& b) {
