@@ -449,6 +449,7 @@ TEST_F(Program, MapErrorsAreOneLine) {
   GridMap solid = room;
   solid.cells.assign(solid.cells.size(), Cell::occupied);
   write_map(path("solid.yaml"), solid);
+  fs::create_directories(path("taken.yaml/inside"));
   const struct {
     Args args;
     int code;
@@ -474,6 +475,7 @@ TEST_F(Program, MapErrorsAreOneLine) {
        "--max-error: expected a number"},
       {{"map", "convert", path("room.yaml"), path("o.yaml"), "--to", "grid"}, 2, "is a grid already"},
       {{"map", "convert", path("room.yaml"), path("no/such/o.yaml")}, 5, "cannot be written"},
+      {{"map", "convert", path("odd.yaml"), path("taken.yaml")}, 5, "taken.yaml: cannot be written"},
       {{"map", "convert", path("room.yaml"), path("o.shp")}, 2, "expected OUT to end in .yaml"},
       {{"map", "convert", path("room.yaml"), path("o")}, 2, "expected OUT to end in .yaml"},
       {{"map", "convert", path("odd.yaml"), path("o.png")}, 2, "such as map.yaml"},
@@ -489,7 +491,7 @@ TEST_F(Program, MapErrorsAreOneLine) {
     EXPECT_NE(outcome.err.find(c.part), std::string::npos) << outcome.err;
     EXPECT_EQ(std::count(outcome.err.begin(), outcome.err.end(), '\n'), 1) << outcome.err;
   }
-  for (const char* left : {"o", "o.yaml", "o.pgm", "o.png", "o.shp", "o.geojson"})
+  for (const char* left : {"o", "o.yaml", "o.pgm", "o.png", "o.shp", "o.geojson", "taken.pgm"})
     EXPECT_FALSE(fs::exists(path(left))) << left;
 }
 
