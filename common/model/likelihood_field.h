@@ -135,14 +135,18 @@ PARLOC_HD std::int32_t table_value(const DistanceLikelihood& likelihood, const s
                                     : kOffMap);
 }
 
+/// Of two values: their low halves count.
+PARLOC_HD std::uint32_t packed_entry(std::int32_t own, std::int32_t above) {
+  return (static_cast<std::uint32_t>(own) & 0xffffu) | static_cast<std::uint32_t>(above) << 16;
+}
+
 /// Entry of cell `at`. squared_cells: width x height, row-major, squared distance to the nearest wall
 /// [cells^2].
 PARLOC_HD std::uint32_t table_entry(const DistanceLikelihood& likelihood, const std::uint32_t* squared_cells,
                                     std::int32_t width, std::int32_t height, std::size_t at) {
   const std::size_t above = at + static_cast<std::size_t>(width) + 2;
-  const auto own = static_cast<std::uint32_t>(table_value(likelihood, squared_cells, width, height, at));
-  const auto other = static_cast<std::uint32_t>(table_value(likelihood, squared_cells, width, height, above));
-  return (own & 0xffffu) | other << 16;
+  return packed_entry(table_value(likelihood, squared_cells, width, height, at),
+                      table_value(likelihood, squared_cells, width, height, above));
 }
 
 }  // namespace parloc
