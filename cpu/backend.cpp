@@ -84,6 +84,7 @@ class CpuBackend final : public Backend {
   void set_range_max(double range_max_m) override {
     if (casts_rays(config_.sensor.model)) return;
     const DistanceLikelihood likelihood = bind_distance(config_.sensor, map_.resolution_m, range_max_m);
+    field_unit_nat_ = likelihood.unit_nat();
     cpu::likelihood_table(squared_distance_, map_.width, map_.height, likelihood, workers_, field_);
   }
 
@@ -127,10 +128,10 @@ class CpuBackend final : public Backend {
       expected_m_ = ray_trace();
       rays.expected_m = expected_m_.data();
     }
-    const float* table = field_.empty() ? nullptr : field_.data();
+    const std::uint32_t* table = field_.empty() ? nullptr : field_.data();
     const std::uint32_t* distance = squared_distance_.empty() ? nullptr : squared_distance_.data();
-    const WeightArgs args =
-        bind_weight(rays, bind_field(table, map_), config_.sensor, {distance, votes_view(), &state_});
+    const WeightArgs args = bind_weight(rays, bind_field(table, field_unit_nat_, config_.sensor, map_),
+                                        config_.sensor, {distance, votes_view(), &state_});
     if (judges_beams(args)) cpu::judge_beams(args, workers_);
     cpu::weight(args, workers_);
   }
@@ -191,7 +192,8 @@ class CpuBackend final : public Backend {
   SkipField skip_;
   WallIndex walls_;
   std::vector<std::uint32_t> squared_distance_;
-  std::vector<float> field_;
+  std::vector<std::uint32_t> field_;
+  float field_unit_nat_ = 0;
   BeamTable beams_, scattered_;
   float scan_worth_ = 0.0f;
   std::vector<std::uint32_t> free_cells_;  // only where particles are injected

@@ -129,9 +129,11 @@ class CudaBackend final : public Backend {
     if (casts_rays(config_.sensor.model)) return;
     use_device();
     run_planned();
-    field_.reserve((static_cast<std::size_t>(map_.width) + 2) * (static_cast<std::size_t>(map_.height) + 2));
-    likelihood_table(squared_distance_.data(), map_.width, map_.height,
-                     bind_distance(config_.sensor, map_.resolution_m, range_max_m), field_.data(), stream_);
+    const DistanceLikelihood likelihood = bind_distance(config_.sensor, map_.resolution_m, range_max_m);
+    if (likelihood.unit_nat() != field_unit_nat_) steps_.clear();  // they know the old one
+    field_unit_nat_ = likelihood.unit_nat();
+    field_.reserve(table_size(map_.width, map_.height));
+    likelihood_table(squared_distance_.data(), map_.width, map_.height, likelihood, field_.data(), stream_);
   }
 
   void upload(const ParticleSet& p) override {
@@ -256,8 +258,9 @@ class CudaBackend final : public Backend {
     if (asked(kWeight) || asked(kWeightUnfused)) {
       RayTraceArgs rays = ray_args();
       rays.expected_m = asked(kWeightUnfused) ? expected_m_.data() : nullptr;
-      const WeightArgs args = bind_weight(rays, bind_field(field_.data(), map_), config_.sensor,
-                                          {squared_distance_.data(), votes_view(), state_.data()});
+      const LikelihoodField field = bind_field(field_.data(), field_unit_nat_, config_.sensor, map_);
+      const WeightArgs args =
+          bind_weight(rays, field, config_.sensor, {squared_distance_.data(), votes_view(), state_.data()});
       if (judges_beams(args)) stage::judge_beams(args, input_.device(), stream_);
       stage::weight(args, input_.device(), stream_);
     }
@@ -327,7 +330,8 @@ class CudaBackend final : public Backend {
   DeviceBuffer<Wall> walls_;
   DeviceBuffer<std::uint32_t> wall_ids_, wall_first_;
   std::uint32_t wall_count_ = 0;
-  DeviceBuffer<float> field_;
+  DeviceBuffer<std::uint32_t> field_;
+  float field_unit_nat_ = 0;
   DeviceBuffer<std::uint32_t> free_cells_;  // only where particles are injected
   std::size_t free_count_ = 0;
   StepInputBuffer input_;

@@ -10,7 +10,8 @@
 
 namespace parloc {
 
-/// `padded`: an array of (width + 2) x (height + 2), or null. Where its cell (0, 0) is; null for null.
+/// `padded`: an array of at least (width + 2) x (height + 2), or null. Where its cell (0, 0) is; null for
+/// null.
 template <class T>
 const T* first_cell(const T* padded, const GridMap& map) {
   return padded == nullptr ? nullptr : padded + (map.width + 2) + 1;
@@ -29,9 +30,11 @@ inline RayMap bind_ray_map(const std::uint8_t* skip, std::int32_t skip_plane, co
           walls};
 }
 
-/// `table`: a likelihood table (common/model/likelihood_field.h), or null for models that do not look up.
-inline LikelihoodField bind_field(const float* table, const GridMap& map) {
-  return {first_cell(table, map), map.width, map.height, map.width + 2};
+/// `table`: a likelihood table (common/model/likelihood_field.h) whose values are in `unit_nat`, or null for
+/// models that do not look up.
+inline LikelihoodField bind_field(const std::uint32_t* table, float unit_nat, const SensorConfig& sensor,
+                                  const GridMap& map) {
+  return {first_cell(table, map), map.width, map.height, map.width + 2, sensor.lookup, unit_nat};
 }
 
 /// The table where it is, for a backend that works in host memory.
@@ -82,7 +85,6 @@ inline WeightArgs bind_weight(const RayTraceArgs& rays, const LikelihoodField& f
           bind_tempering(sensor, rays.beams),
           bind_ray_models(sensor, rays.beams.range_max_m),
           field,
-          sensor.lookup,
           bind_beam_skip(sensor, squared_cells, rays.map.width, rays.map.height, rays.map.resolution_m),
           judge.votes,
           judge.state};

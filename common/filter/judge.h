@@ -84,6 +84,11 @@ PARLOC_HD float weight_before(const Particles& particles, std::size_t i) {
   return min_of(portable_exp(particles.log_weight[i]), 1.0f);
 }
 
+/// Nat of the integers that weight adds up.
+PARLOC_HD float sum_unit_nat(const WeightArgs& a) {
+  return casts_rays(a.model) ? kLogLikelihoodUnit_nat : a.field.unit_nat;
+}
+
 /// The beams as the model wants them: with what it knows of each as the constant.
 PARLOC_HD Beams beams_for_model(const WeightArgs& a) {
   Beams b = a.rays.beams;

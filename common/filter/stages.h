@@ -100,7 +100,6 @@ struct WeightArgs {
   float tempering = 1.0f;
   RayModels models;       ///< Of the models that cast rays.
   LikelihoodField field;  ///< Of the others.
-  FieldLookup lookup = FieldLookup::bilinear;
   BeamSkip skip;
   BeamVotes votes;
   const StepState* state = nullptr;  ///< Of the step before.
