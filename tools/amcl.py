@@ -23,7 +23,8 @@ import accuracy
 from accuracy import ROOT, Failure, wrap
 
 BAR = {"particles": 1000, "error_ratio": 1.2, "step_ms": 1.5}
-RATES = {"off": None, "0.001 / 0.1": (0.001, 0.1), "0.01 / 0.1": (0.01, 0.1), "0.01 / 0.3": (0.01, 0.3)}
+RATES = {"off": None, "0.001 / 0.1 / 1": (0.001, 0.1, 1), "0.001 / 0.1 / 2": (0.001, 0.1, 2),
+         "0.001 / 0.1 / 3": (0.001, 0.1, 3), "0.01 / 0.3 / 3": (0.01, 0.3, 3)}
 FIXED = {"fixed, 4000": {"particles": 4000}, "fixed, 500": {"particles": 500}}
 KLD = {"100 to 4000": {"min_particles": 100, "max_particles": 4000},
        "500 to 4000": {"min_particles": 500, "max_particles": 4000},
@@ -44,7 +45,8 @@ def config_text(settings):
 
 
 def recovery(rates):
-    return {"recovery": {"recovery_alpha_slow": rates[0], "recovery_alpha_fast": rates[1]}} if rates else {}
+    return {"recovery": {"recovery_alpha_slow": rates[0], "recovery_alpha_fast": rates[1],
+                         "recovery_margin": rates[2]}} if rates else {}
 
 
 def localized(program, work, name, settings, seed, log, truth):
@@ -189,7 +191,7 @@ The same among people and boxes (`{SCENES["people and boxes"]}`):
 
 {tracking_table(record, "people and boxes", ["fixed, 4000", *[f"100 to 4000, {r}" for r in RATES]])}
 
-The rates are `recovery_alpha_slow / recovery_alpha_fast`. Injected: the mean share of particles drawn from free space, though the
+The rates are `recovery_alpha_slow / recovery_alpha_fast / recovery_margin`; a margin of 1 is nav2's. Injected: the mean share of particles drawn from free space, though the
 robot was never lost.
 
 ## Kidnapping, {len(of(record, "kidnapped", "off"))} trials

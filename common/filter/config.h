@@ -120,7 +120,7 @@ struct KldConfig {
 struct RecoveryConfig {
   double recovery_alpha_slow = 0.0;    ///< Rates of two running means of a scan's likelihood, per scan ...
   double recovery_alpha_fast = 0.0;    ///< ... both 0: nothing is ever drawn from free space.
-  double recovery_margin = 2.0;        ///< The fast mean may fall below the slow one by this factor.
+  double recovery_margin = 3.0;        ///< The fast mean may fall below the slow one by this factor.
   double expansion_likelihood = 0.0;   ///< Likelihood per beam below which the cloud is widened; 0: never.
   int expansion_scans = 5;             ///< So many such scans in a row.
   double expansion_sigma_xy = 0.5;     ///< Noise of the first widening; it grows by as much each [m].
