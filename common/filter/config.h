@@ -107,20 +107,18 @@ struct ResampleConfig {
 /// How many particles are enough (Fox 2003). As many as keep the distance between the particles and what they
 /// stand for below pf_err with probability 1 - delta, given how many bins of poses they occupy.
 struct KldConfig {
-  double pf_err = 0.05;      ///< Kullback-Leibler distance [nat].
-  double delta = 0.01;       ///< Probability of a larger one.
-  double pf_z = 0.0;         ///< Above 0: the normal quantile itself, as in nav2, in place of delta.
-  double bin_size_xy = 0.5;  ///< [m]
-  double bin_size_theta = kTenDegrees;  ///< [rad]; rounded so that a full turn is a whole number of bins.
-
-  static constexpr double kTenDegrees = 0.17453292519943295;
+  double pf_err = 0.05;            ///< Kullback-Leibler distance [nat].
+  double delta = 0.01;             ///< Probability of a larger one.
+  double pf_z = 0.0;               ///< Above 0: the normal quantile itself, as in nav2, in place of delta.
+  double bin_size_xy = 0.5;        ///< [m]
+  double bin_size_theta = 0.1745;  ///< [rad]; rounded so that a full turn is a whole number of bins.
 };
 
 /// What helps a filter that has lost its robot.
 struct RecoveryConfig {
   double recovery_alpha_slow = 0.0;    ///< Rates of two running means of a scan's likelihood, per scan ...
   double recovery_alpha_fast = 0.0;    ///< ... both 0: nothing is ever drawn from free space.
-  double recovery_margin = 3.0;        ///< The fast mean may fall below the slow one by this factor.
+  double recovery_margin = 2.0;        ///< The fast mean may fall below the slow one by this factor.
   double expansion_likelihood = 0.0;   ///< Likelihood per beam below which the cloud is widened; 0: never.
   int expansion_scans = 5;             ///< So many such scans in a row.
   double expansion_sigma_xy = 0.5;     ///< Noise of the first widening; it grows by as much each [m].

@@ -54,7 +54,9 @@ Plot error_plot(const std::string& title, const std::string& unit, const TrackEr
 }
 
 Plot n_eff_plot(const RunReport& report, const std::vector<double>& stamps) {
-  Plot plot{"Effective particles", "N_eff", PlotScale::from_zero, {}, {}, {}, {}};
+  // A number that adapts starts at many times what it is later.
+  const PlotScale scale = report.adaptive ? PlotScale::automatic : PlotScale::from_zero;
+  Plot plot{"Effective particles", "N_eff", scale, {}, {}, {}, {}};
   plot.series.push_back(
       {report.adaptive ? "N_eff" : "", "c1", stamps, column(report.steps, [](auto& s) { return s.n_eff; })});
   if (report.adaptive)
