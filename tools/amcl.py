@@ -208,8 +208,9 @@ The same among people and boxes (`{SCENES["people and boxes"]}`):
 The rates are `recovery_alpha_slow / recovery_alpha_fast / recovery_margin`; a margin of 1 is nav2's. Injected: the mean share of
 particles drawn from free space. Tracked: the RMSE is below twice the median without recovery. The likelihood field takes a person for a
 bad pose. With it injection ends tracking among people, whatever the rates: a pose drawn at random competes with the tracked ones as
-an equal, and one of thousands explains a spoilt scan as well as the truth does. A model that expects people does not have this
-trouble. So recovery is off by default, and belongs to `class_conditional` or `beam` where there are people.
+an equal, and one of thousands explains a spoilt scan as well as the truth does. `class_conditional` expects
+people: with a margin of 2 nothing is injected, and no seed is lost; with nav2's 1 one is. So recovery is off by default, and belongs
+to such a model where there are people.
 
 ## Kidnapping, {len(of(record, "kidnapped", "likelihood_field, off"))} trials
 
