@@ -9,9 +9,9 @@
 
 namespace parloc::cpu {
 
-/// Fills `table`, padded (width + 2) x (height + 2), from squared distances [cells^2], width x height.
+/// Fills `table`, table_size() entries, from squared distances [cells^2], width x height.
 void likelihood_table(const std::vector<std::uint32_t>& squared_cells, std::int32_t width,
                       std::int32_t height, const DistanceLikelihood& likelihood, Workers& workers,
-                      std::vector<float>& table);
+                      std::vector<std::uint32_t>& table);
 
 }  // namespace parloc::cpu

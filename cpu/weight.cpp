@@ -4,6 +4,7 @@
 #include "common/filter/judge.h"
 #include "common/filter/normalise.h"
 #include "common/math/fixed_point.h"
+#include "cpu/field_sum.h"
 #include "cpu/parallel.h"
 #include "cpu/ray_trace.h"
 #include "cpu/stages.h"
@@ -26,27 +27,6 @@ PARLOC_HD std::int64_t sum_of_rays(const Model& model, const Beams& b, const flo
   for (std::size_t m = first > hits ? first : hits; m < last; ++m) {
     const float known = model.miss(b.range_m[m], expected_m[m]);
     sum += fixed_log_likelihood(expected_m[m] >= 0.0f ? known : model.most_of_miss());
-  }
-  return sum;
-}
-
-/// Sum over the hits of the likelihood field at particle i. kJudged: over those that the cloud agrees with.
-template <bool kBilinear, bool kJudged>
-PARLOC_HD std::int64_t sum_of_end_points(const WeightArgs& a, std::size_t i) {
-  const RayTraceArgs& r = a.rays;
-  const LikelihoodField field = a.field;
-  const float* __restrict end_x = r.beams.end_x;
-  const float* __restrict end_y = r.beams.end_y;
-  const float* __restrict share = a.votes.share;
-  const SinCos h = portable_sincos(r.particles.theta[i]);
-  const float u0 = r.particles.x[i] * r.map.inv_resolution;
-  const float v0 = r.particles.y[i] * r.map.inv_resolution;
-  std::int64_t sum = 0;
-  for (std::size_t m = 0; m < r.beams.hits; ++m) {
-    const float u = base_to_grid_x(u0, h.cos, h.sin, end_x[m], end_y[m]);
-    const float v = base_to_grid_y(v0, h.cos, h.sin, end_x[m], end_y[m]);
-    const float value = kBilinear ? field.bilinear(u, v) : field.nearest(u, v);
-    sum += kJudged && share[m] == 0.0f ? 0 : fixed_log_likelihood(value);
   }
   return sum;
 }
@@ -109,7 +89,9 @@ bool trace_while_open(const WeightArgs& a, const Model& model, const Beams& beam
     const std::size_t last = first + kChunk < beams.count ? first + kChunk : beams.count;
     trace_first(a.rays, origin, first, last, row, on);
     run_simd([&]() PARLOC_SIMD_LOOP { most += sum_of_rays(model, beams, row, first, last); });
-    if (contest.lost(tempered_log_weight(before, most + rest[first / kChunk], a.tempering))) return false;
+    if (contest.lost(
+            tempered_log_weight(before, most + rest[first / kChunk], kLogLikelihoodUnit_nat, a.tempering)))
+      return false;
   }
   trace_rest(a.rays, origin, row, on);
   return true;
@@ -124,7 +106,7 @@ void weight_by_rays(const WeightArgs& a, const Model& model, Workers& workers) {
   const float* stored_m = r.expected_m;
   float* log_weight = r.particles.log_weight;
   const MostOfRest rest = most_of_rest(model, beams);
-  Contest contest(r.particles.count);
+  Contest contest(r.particles.capacity);
   const auto loop = [&](std::size_t begin, std::size_t end) PARLOC_SIMD_LOOP {
     alignas(64) float row[kRangeRoom];
     Travellers on;
@@ -139,23 +121,28 @@ void weight_by_rays(const WeightArgs& a, const Model& model, Workers& workers) {
       }
       const float* expected_m = stored_m != nullptr ? stored_m + i * beams.count : row;
       const std::int64_t sum = sum_of_rays(model, beams, expected_m, 0, beams.count);
-      log_weight[i] = tempered_log_weight(log_weight[i], sum, a.tempering);
+      log_weight[i] = tempered_log_weight(log_weight[i], sum, kLogLikelihoodUnit_nat, a.tempering);
       contest.enter(log_weight[i]);
     }
   };
-  parallel_blocks(r.particles.count, workers.threads, 1, loop);
+  parallel_blocks(r.particles.count(), workers.threads, 1, loop);
 }
 
-template <bool kBilinear, bool kJudged>
 void weight_by_field(const WeightArgs& a, Workers& workers) {
-  float* log_weight = a.rays.particles.log_weight;
+  const EndPoints ends(a);
+  const Particles& p = a.rays.particles;
+  const float cells_per_m = a.rays.map.inv_resolution;
   const auto loop = [&](std::size_t begin, std::size_t end) PARLOC_SIMD_LOOP {
+    FieldNotes notes(ends);
+    const LikelihoodField field = a.field;
     for (std::size_t i = begin; i < end; ++i) {
-      const std::int64_t sum = sum_of_end_points<kBilinear, kJudged>(a, i);
-      log_weight[i] = tempered_log_weight(log_weight[i], sum, a.tempering);
+      const FieldPose pose =
+          field.pose(p.x[i] * cells_per_m, p.y[i] * cells_per_m, portable_sincos(p.theta[i]));
+      const std::int32_t sum = field_sum(field, pose, ends, notes);
+      p.log_weight[i] = tempered_log_weight(p.log_weight[i], sum, field.unit_nat, a.tempering);
     }
   };
-  parallel_blocks(a.rays.particles.count, workers.threads, 1, loop);
+  parallel_blocks(p.count(), workers.threads, 1, loop);
 }
 
 }  // namespace
@@ -163,10 +150,7 @@ void weight_by_field(const WeightArgs& a, Workers& workers) {
 void weight(const WeightArgs& a, Workers& workers) {
   if (casts_rays(a.model))
     return with_ray_model(a.models, a.model, [&](const auto& model) { weight_by_rays(a, model, workers); });
-  const bool bilinear = a.lookup == FieldLookup::bilinear;
-  if (judges_beams(a))
-    return bilinear ? weight_by_field<true, true>(a, workers) : weight_by_field<false, true>(a, workers);
-  return bilinear ? weight_by_field<true, false>(a, workers) : weight_by_field<false, false>(a, workers);
+  weight_by_field(a, workers);
 }
 
 }  // namespace parloc::cpu

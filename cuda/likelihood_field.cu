@@ -9,19 +9,19 @@ struct FillTable {
   const std::uint32_t* squared_cells;
   std::int32_t width, height;
   DistanceLikelihood likelihood;
-  float* table;
+  std::uint32_t* table;
   std::size_t size;
   PARLOC_HD void operator()(const Thread& me) const {
     for (std::size_t at = me.first(); at < size; at += me.stride())
-      table[at] = table_value(likelihood, squared_cells, width, height, at);
+      table[at] = table_entry(likelihood, squared_cells, width, height, at);
   }
 };
 
 }  // namespace
 
 void likelihood_table(const std::uint32_t* squared_cells, std::int32_t width, std::int32_t height,
-                      const DistanceLikelihood& likelihood, float* table, Stream stream) {
-  const std::size_t size = (static_cast<std::size_t>(width) + 2) * (static_cast<std::size_t>(height) + 2);
+                      const DistanceLikelihood& likelihood, std::uint32_t* table, Stream stream) {
+  const std::size_t size = table_size(width, height);
   launch(FillTable{squared_cells, width, height, likelihood, table, size}, blocks_for(size), stream);
 }
 

@@ -8,9 +8,9 @@
 
 namespace parloc::PARLOC_CUDA_NAMESPACE {
 
-/// Fills `table`, padded (width + 2) x (height + 2), from squared distances [cells^2], width x height; both
+/// Fills `table`, table_size() entries, from squared distances [cells^2], width x height; both
 /// in device memory.
 void likelihood_table(const std::uint32_t* squared_cells, std::int32_t width, std::int32_t height,
-                      const DistanceLikelihood& likelihood, float* table, Stream stream);
+                      const DistanceLikelihood& likelihood, std::uint32_t* table, Stream stream);
 
 }  // namespace parloc::PARLOC_CUDA_NAMESPACE

@@ -59,32 +59,22 @@ inline void copy_up(void* to, const void* from, std::size_t bytes, Stream s) {
 }
 #endif
 
-/// Device memory of `size` elements; copies are the named member functions, nothing implicit.
-template <class T>
-class DeviceBuffer {
+/// Memory of `size` elements, not initialised.
+template <class T, void* (*kAlloc)(std::size_t), void (*kFree)(void*)>
+class Buffer {
  public:
-  DeviceBuffer() = default;
-  DeviceBuffer(const DeviceBuffer&) = delete;
-  DeviceBuffer& operator=(const DeviceBuffer&) = delete;
-  ~DeviceBuffer() { device_free(data_); }
+  Buffer() = default;
+  Buffer(const Buffer&) = delete;
+  Buffer& operator=(const Buffer&) = delete;
+  ~Buffer() { kFree(data_); }
   /// Grows only: a buffer that is large enough is left alone. What it held is lost when it grows.
   void reserve(std::size_t size) {
     if (size <= size_) return;
-    device_free(data_);
+    kFree(data_);
     data_ = nullptr;
     size_ = 0;
-    data_ = static_cast<T*>(device_alloc(size * sizeof(T)));
+    data_ = static_cast<T*>(kAlloc(size * sizeof(T)));
     size_ = size;
-  }
-  void from_host(const std::vector<T>& host, Stream s) {
-    reserve(host.size());
-    if (!host.empty()) copy_down(data_, host.data(), host.size() * sizeof(T), s);
-  }
-  std::vector<T> to_host(std::size_t count, Stream s) const {
-    std::vector<T> host(count);
-    if (count > 0) copy_up(host.data(), data_, count * sizeof(T), s);
-    synchronise(s);
-    return host;
   }
   T* data() const { return data_; }
   std::size_t size() const { return size_; }
@@ -94,28 +84,23 @@ class DeviceBuffer {
   std::size_t size_ = 0;
 };
 
-/// Page-locked host memory of `size` elements.
 template <class T>
-class HostBuffer {
- public:
-  HostBuffer() = default;
-  HostBuffer(const HostBuffer&) = delete;
-  HostBuffer& operator=(const HostBuffer&) = delete;
-  ~HostBuffer() { host_free(data_); }
-  void reserve(std::size_t size) {
-    if (size <= size_) return;
-    host_free(data_);
-    data_ = nullptr;
-    size_ = 0;
-    data_ = static_cast<T*>(host_alloc(size * sizeof(T)));
-    size_ = size;
-  }
-  T* data() const { return data_; }
-  std::size_t size() const { return size_; }
+using HostBuffer = Buffer<T, host_alloc, host_free>;
 
- private:
-  T* data_ = nullptr;
-  std::size_t size_ = 0;
+/// Copies are the named member functions, nothing implicit.
+template <class T>
+class DeviceBuffer : public Buffer<T, device_alloc, device_free> {
+ public:
+  void from_host(const std::vector<T>& host, Stream s) {
+    this->reserve(host.size());
+    if (!host.empty()) copy_down(this->data(), host.data(), host.size() * sizeof(T), s);
+  }
+  std::vector<T> to_host(std::size_t count, Stream s) const {
+    std::vector<T> host(count);
+    if (count > 0) copy_up(host.data(), this->data(), count * sizeof(T), s);
+    synchronise(s);
+    return host;
+  }
 };
 
 }  // namespace parloc::PARLOC_CUDA_NAMESPACE

@@ -21,13 +21,10 @@ PARLOC_HD std::int32_t ray_beam(const WeightArgs& a, const RayOrigin& o, std::si
   });
 }
 
-PARLOC_HD std::int32_t field_beam(const WeightArgs& a, float u0, float v0, const SinCos& h, std::size_t m) {
+PARLOC_HD std::int32_t field_beam(const WeightArgs& a, const FieldPose& pose, std::size_t m) {
   const Beams& beams = a.rays.beams;
   if (judges_beams(a) && a.votes.share[m] == 0.0f) return 0;
-  const float u = base_to_grid_x(u0, h.cos, h.sin, beams.end_x[m], beams.end_y[m]);
-  const float v = base_to_grid_y(v0, h.cos, h.sin, beams.end_x[m], beams.end_y[m]);
-  return fixed_log_likelihood(a.lookup == FieldLookup::bilinear ? a.field.bilinear(u, v)
-                                                                : a.field.nearest(u, v));
+  return a.field.value_at(a.field.place(pose, beams.end_x[m], beams.end_y[m]));
 }
 
 /// Sum of this lane's beams, m = lane, lane + 32, ...: integers, so the lanes may add up in any order.
@@ -36,10 +33,10 @@ PARLOC_HD std::int64_t lane_sum(const WeightArgs& a, std::size_t i, unsigned lan
   const Beams& beams = a.rays.beams;
   std::int64_t sum = 0;
   if (!casts_rays(a.model)) {
-    const SinCos h = portable_sincos(particles.theta[i]);
-    const float u0 = particles.x[i] * a.rays.map.inv_resolution;
-    const float v0 = particles.y[i] * a.rays.map.inv_resolution;
-    for (std::size_t m = lane; m < beams.hits; m += kLanes) sum += field_beam(a, u0, v0, h, m);
+    const float cells_per_m = a.rays.map.inv_resolution;
+    const FieldPose pose = a.field.pose(particles.x[i] * cells_per_m, particles.y[i] * cells_per_m,
+                                        portable_sincos(particles.theta[i]));
+    for (std::size_t m = lane; m < beams.hits; m += kLanes) sum += field_beam(a, pose, m);
     return sum;
   }
   const RayOrigin o = ray_origin(a.rays, i);
@@ -59,13 +56,13 @@ struct WeightGroup {  // a block weighs kParticlesPerBlock particles
     const unsigned slot = me.thread / kLanes, lane = me.thread % kLanes;
     const std::size_t i = first + std::size_t{me.block} * kParticlesPerBlock + slot;
     if (phase == 0 && lane == 0) shared.sum[slot] = 0;
-    if (i >= args.rays.particles.count) return;
+    if (i >= args.rays.particles.count()) return;
     if (phase == 1)
       atomic_add(&shared.sum[slot], static_cast<std::uint64_t>(lane_sum(with_scan(args, *input), i, lane)));
     float& log_weight = args.rays.particles.log_weight[i];
     if (phase == 2 && lane == 0)
-      log_weight =
-          tempered_log_weight(log_weight, static_cast<std::int64_t>(shared.sum[slot]), input->tempering);
+      log_weight = tempered_log_weight(log_weight, static_cast<std::int64_t>(shared.sum[slot]),
+                                       sum_unit_nat(args), input->tempering);
   }
 };
 
@@ -73,8 +70,8 @@ struct WeightGroup {  // a block weighs kParticlesPerBlock particles
 
 void weight(const WeightArgs& args, const StepInput* input, Stream stream) {
   constexpr std::size_t kPerLaunch = std::size_t{kMaxBlocks} * kParticlesPerBlock;
-  for (std::size_t first = 0; first < args.rays.particles.count; first += kPerLaunch) {
-    const std::size_t here = std::min(kPerLaunch, args.rays.particles.count - first);
+  for (std::size_t first = 0; first < args.rays.particles.capacity; first += kPerLaunch) {
+    const std::size_t here = std::min(kPerLaunch, args.rays.particles.capacity - first);
     launch(WeightGroup{args, input, first},
            static_cast<unsigned>((here + kParticlesPerBlock - 1) / kParticlesPerBlock), stream);
   }

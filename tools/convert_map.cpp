@@ -9,6 +9,7 @@
 
 #include "common/error.h"
 #include "common/io/map_picture.h"
+#include "common/io/output_file.h"
 #include "common/map/map_limits.h"
 #include "common/map/map_reader.h"
 #include "common/map/rasterise.h"
@@ -77,6 +78,15 @@ void refuse_own_input(const ConvertOptions& o) {
   if (std::filesystem::equivalent(o.in, o.out, error) && !error) refuse("OUT is the file that IN is");
 }
 
+/// A name that parloc would read as another kind of map, or not at all, is a slip of the finger.
+void refuse_other_endings(const std::string& out, bool walls) {
+  const std::string ending = std::filesystem::path(out).extension().string();
+  if (ending == ".yaml" || ending == ".yml") return;
+  if (walls && is_geojson("", out)) return;
+  refuse(walls ? fmt::format("expected OUT to end in .yaml, .yml, .geojson or .json, got '{}'", out)
+               : fmt::format("expected OUT to be a name such as map.yaml for a grid, got '{}'", out));
+}
+
 }  // namespace
 
 int convert_map(const ConvertOptions& o) {
@@ -93,7 +103,8 @@ int convert_map(const ConvertOptions& o) {
   if (!from_walls && resolution_m) refuse("--resolution is for segments only; the cells of a grid stay");
   if (from_walls && (!o.max_error.empty() || o.unknown_blocks))
     refuse("--max-error and --unknown-blocks are for a grid only");
-  if (!to_walls && is_geojson("", o.out)) refuse("expected OUT to be a name such as map.yaml for a grid");
+  refuse_other_endings(o.out, to_walls);
+  if (!o.picture.empty()) expect_writable(o.picture);
   if (!from_walls) {
     grid_to_walls(o, loaded.map, max_error_m);
   } else if (to_walls) {

@@ -57,7 +57,11 @@ FilterConfig effective_config(const LearnOptions& o) {
     config.scan.max_beams = parse_whole_number<int>("--beams", o.beams);
     config.scan.min_beams = 1;
   }
-  validate(config);
+  try {
+    validate(config);
+  } catch (const Error& e) {  // a file is sound by now, so it is the command line
+    throw Error(ErrorKind::usage, e.what());
+  }
   return config;
 }
 
@@ -100,11 +104,23 @@ RangePairsOfLog collect(const LearnOptions& o, const FilterConfig& config) {
   });
 }
 
+[[noreturn]] void refuse(const LearnOptions& o, const RangePairsOfLog& found) {
+  throw input_error(
+      o.log, 0,
+      fmt::format("expected at least {} beams with a true pose, found {} in {} scans, {} of them "
+                  "without a pose in {}",
+                  kFewestPairs, found.ranges.pairs.size(), found.scans, found.without_pose, o.truth));
+}
+
 int run(const LearnOptions& o, const std::string& typed) {
   const FilterConfig config = effective_config(o);
   OutputFolder out(o.out, {kConfig, kPicture});
   catch_interrupts();
   const RangePairsOfLog found = collect(o, config);
+  if (found.ranges.pairs.size() < kFewestPairs) {
+    if (interrupted()) return kExitInterrupted;
+    refuse(o, found);
+  }
   const MixtureFit fit =
       fit_mixture(found.ranges, start_of(config.sensor), 500, 1e-7, [](int) { return !interrupted(); });
   FilterConfig learned = config;

@@ -145,8 +145,16 @@ Error no_scan(const LocalizeRequest& request, const LogWarnings& warnings) {
 
 StepRecord step_record(const Estimate& estimate, double stamp_s, double step_ms) {
   const double* variance = estimate.covariance.v;
-  return {stamp_s, estimate.n_eff,     std::sqrt(variance[0]), std::sqrt(variance[4]), std::sqrt(variance[8]),
-          step_ms, estimate.resampled, estimate.lost};
+  return {stamp_s,
+          estimate.n_eff,
+          std::sqrt(variance[0]),
+          std::sqrt(variance[4]),
+          std::sqrt(variance[8]),
+          step_ms,
+          estimate.resampled,
+          estimate.lost,
+          static_cast<double>(estimate.particles),
+          estimate.p_injected};
 }
 
 FilterConfig filter_config(const LocalizeRequest& request) {
@@ -250,6 +258,20 @@ std::string unused_lidars(const FilterConfig& config, const std::vector<LidarUse
   }
   if (without.empty()) return "";
   return fmt::format("{} in the configuration, but the log has scans of {} only", without, with);
+}
+
+ParticleNumbers particle_numbers(const std::vector<StepRecord>& steps) {
+  if (steps.empty()) return {0.0, 0.0, 0.0, 0.0};
+  ParticleNumbers n{0.0, steps.front().particles, steps.front().particles, 0.0};
+  for (const StepRecord& step : steps) {
+    n.mean += step.particles;
+    n.injected_mean += step.p_injected;
+    n.min = std::min(n.min, step.particles);
+    n.max = std::max(n.max, step.particles);
+  }
+  n.mean /= static_cast<double>(steps.size());
+  n.injected_mean /= static_cast<double>(steps.size());
+  return n;
 }
 
 StepTimes step_times(const std::vector<StepRecord>& steps) {

@@ -70,4 +70,10 @@ struct StepTimes {
 };
 StepTimes step_times(const std::vector<StepRecord>& steps);
 
+/// Over the steps: how many particles were weighed, and which share was drawn from free space.
+struct ParticleNumbers {
+  double mean, min, max, injected_mean;
+};
+ParticleNumbers particle_numbers(const std::vector<StepRecord>& steps);
+
 }  // namespace parloc::tools

@@ -199,7 +199,7 @@ nlohmann::ordered_json as_json(const Located& l) {
                                {"explained", h.explained},
                                {"through_walls", h.through},
                                {"unmapped", h.unmapped},
-                               {"log_likelihood_per_beam", h.log_likelihood}});
+                               {"evidence", h.evidence}});
   return j;
 }
 

@@ -43,7 +43,7 @@ void declare(CLI::App& app, RunOptions& o) {
   add_text_option(app, "--out", o.out, "DIR", "Folder for the results (parloc_out)");
   add_text_option(app, "--backend", o.backend, "WHICH", "auto, cpu or cuda");
   add_text_option(app, "--device", o.device, "D", "CUDA device, as parloc devices lists them");
-  add_text_option(app, "--particles", o.particles, "N", "1 to 16777216");
+  add_text_option(app, "--particles", o.particles, "N", "A fixed number, 1 to 16777216");
   add_text_option(app, "--beams", o.beams, "B", "Beams used of a scan, 1 to 4096");
   add_text_option(app, "--seed", o.seed, "S", "Same seed, same answer");
   add_text_option(app, "--threads", o.threads, "K", "CPU threads; 0: all cores");
@@ -63,7 +63,10 @@ BackendChoice backend_choice(const std::string& name) {
 /// The configuration file with the command line on top.
 FilterConfig effective_config(const RunOptions& o) {
   FilterConfig config = o.config.empty() ? FilterConfig{} : read_config(o.config);
-  if (!o.particles.empty()) config.particles = parse_whole_number<std::int64_t>("--particles", o.particles);
+  if (!o.particles.empty()) {  // a fixed number, whatever the file says
+    config.particles = parse_whole_number<std::int64_t>("--particles", o.particles);
+    config.min_particles = config.max_particles = 0;
+  }
   if (!o.seed.empty()) config.seed = parse_whole_number<std::uint64_t>("--seed", o.seed);
   if (!o.device.empty()) config.device = parse_whole_number<int>("--device", o.device);
   if (!o.threads.empty()) config.threads = parse_whole_number<int>("--threads", o.threads);

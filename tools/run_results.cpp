@@ -161,6 +161,13 @@ std::string speed_text(const Localization& run) {
   }
   return text;
 }
+std::string particles_text(const Localization& run) {
+  const ParticleNumbers n = particle_numbers(run.steps);
+  std::string text = fmt::format("{:.0f} in the mean, {} to {}", n.mean, n.min, n.max);
+  if (n.injected_mean > 0.0) text += fmt::format("; {:.2g} % drawn from free space", 100.0 * n.injected_mean);
+  return text;
+}
+
 /// "12 NaN, 3 zero"; empty without any.
 std::string rejected_text(const BeamCounts& beams) {
   const std::pair<const char*, std::size_t> reasons[] = {{"NaN", beams.nan},
@@ -259,6 +266,7 @@ std::vector<Fact> main_facts(const RunResults& results) {
   if (results.relations && results.relations->compared > 0) {
     facts.push_back({"relation error", relations_text(*results.relations)});
   }
+  if (run.config.adapts_particles()) facts.push_back({"particles", particles_text(run)});
   facts.push_back({"time", speed_text(run)});
   if (!run.odometry_only) add_lidar_facts(facts, run);
   facts.push_back({"backend", run.backend});
@@ -330,6 +338,9 @@ std::string metrics_json(const RunResults& results) {
   json["step_ms_median"] = times.median_ms;  // NaN is written as null
   json["step_ms_p99"] = times.p99_ms;
   json["real_time_factor"] = run.real_time_factor();
+  const ParticleNumbers numbers = particle_numbers(run.steps);
+  json["particles"] = {{"mean", numbers.mean}, {"min", numbers.min}, {"max", numbers.max}};
+  json["injected_mean"] = numbers.injected_mean;
   json["beams_total"] = run.beams.total;
   json["beams_considered"] = run.beams.considered;
   json["beams_used"] = run.beams.used;
@@ -365,8 +376,11 @@ RunReport run_report(const RunResults& results, const GridMap& map) {
   report.odometry = run.odometry;
   report.errors = results.errors;
   report.steps = run.steps;
-  report.particles = static_cast<double>(run.config.particles);
-  report.resample_below = run.config.resample.threshold * report.particles;
+  report.adaptive = run.config.adapts_particles();
+  if (!report.adaptive) {
+    report.particles = static_cast<double>(run.config.most_particles());
+    report.resample_below = run.config.resample.threshold * report.particles;
+  }
   report.snapshots = run.snapshots;
   report.every_cloud = run.odometry_only;
   return report;

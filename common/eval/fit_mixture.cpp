@@ -127,10 +127,10 @@ double mixture_likelihood(const Mixture& m, const RangePair& pair, double range_
 
 MixtureFit fit_mixture(const RangePairs& ranges, Mixture start, int most_rounds, double least_gain,
                        const std::function<bool(int round)>& keep_going) {
-  if (ranges.pairs.size() < 100)
-    throw Error(ErrorKind::input,
-                "learning the beam mixture: expected at least 100 beams with a true pose, got " +
-                    std::to_string(ranges.pairs.size()));
+  if (ranges.pairs.size() < kFewestPairs)
+    throw Error(ErrorKind::input, "learning the beam mixture: expected at least " +
+                                      std::to_string(kFewestPairs) + " beams with a true pose, got " +
+                                      std::to_string(ranges.pairs.size()));
   MixtureFit fit;
   fit.mixture = start;
   const double n = static_cast<double>(ranges.pairs.size());

@@ -28,6 +28,9 @@ struct Mixture {
   double lambda_per_m = 0.5;
 };
 
+/// Beams that six numbers can be learned from at all.
+constexpr std::size_t kFewestPairs = 100;
+
 struct MixtureFit {
   Mixture mixture;
   std::vector<double> log_likelihood;  ///< Per beam, before each round; it never falls.
@@ -37,7 +40,7 @@ struct MixtureFit {
 /// Rounds until the log-likelihood per beam grows by less than `least_gain`. The hit's tail beyond the
 /// maximum and the short's truncation at the expected range are part of the maximisation, which is exact for
 /// the shares and sigma and a step uphill for lambda. `keep_going`, if given, is asked after every round.
-/// Throws Error{input} for fewer than 100 pairs.
+/// Throws Error{input} for fewer than kFewestPairs.
 MixtureFit fit_mixture(const RangePairs& ranges, Mixture start, int most_rounds = 200,
                        double least_gain = 1e-7, const std::function<bool(int round)>& keep_going = {});
 

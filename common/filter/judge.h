@@ -23,13 +23,16 @@ PARLOC_HD bool judges_beams(const WeightArgs& a) {
 /// A predictive density needs no more particles than this, and rays are dear; counts are of all.
 constexpr std::size_t kMostClassVoters = 512;
 
+/// At most so many of n particles vote.
+PARLOC_HD std::size_t voters_of(SensorModel model, std::size_t n) {
+  return model == SensorModel::class_conditional && n > kMostClassVoters ? kMostClassVoters : n;
+}
 PARLOC_HD std::size_t voters(const WeightArgs& a) {
-  const std::size_t n = a.rays.particles.count;
-  return a.model == SensorModel::class_conditional && n > kMostClassVoters ? kMostClassVoters : n;
+  return voters_of(a.model, a.rays.particles.count());
 }
 /// Slot of voter k: evenly spaced.
 PARLOC_HD std::size_t voter_slot(const WeightArgs& a, std::size_t k) {
-  return k * a.rays.particles.count / voters(a);
+  return k * a.rays.particles.count() / voters(a);
 }
 
 constexpr float kVoteScale = 1048576.0f;  // votes per voter of full weight at the mixture's peak
@@ -79,6 +82,11 @@ PARLOC_HD bool skips_nothing(const WeightArgs& a, std::uint64_t skipped) {
 /// Weight of a particle before the scan; at most 1 after normalise_scan.
 PARLOC_HD float weight_before(const Particles& particles, std::size_t i) {
   return min_of(portable_exp(particles.log_weight[i]), 1.0f);
+}
+
+/// Nat of the integers that weight adds up.
+PARLOC_HD float sum_unit_nat(const WeightArgs& a) {
+  return casts_rays(a.model) ? kLogLikelihoodUnit_nat : a.field.unit_nat;
 }
 
 /// The beams as the model wants them: with what it knows of each as the constant.

@@ -1,5 +1,5 @@
 // The bootstrap particle filter: predict, weight, normalise, estimate, resample (Paz et al. 2012, algorithm
-// 2).
+// 2), and what makes it adaptive: KLD-sampling, augmented recovery, expansion resetting.
 #pragma once
 
 #include <cstdint>
@@ -38,7 +38,10 @@ struct Estimate {
   PoseEstimate mean;      ///< All particles.
   PoseEstimate cluster;   ///< The heaviest connected cluster of 0.5 m x 0.5 m x 10 degree bins.
   double n_eff = 0.0;
-  bool weighted = false;  ///< A scan was used (else prediction only).
+  std::size_t particles = 0;     ///< That were weighed: where their number adapts, it differs by step.
+  double p_injected = 0.0;       ///< Share of the next particles that is drawn from free space.
+  double beam_likelihood = 0.0;  ///< Of the last scan used: geometric mean over its beams; 0: none yet.
+  bool weighted = false;         ///< A scan was used (else prediction only).
   bool resampled = false;
   bool lost = false;               ///< Every particle had weight zero: weights were made uniform.
   bool ambiguous_heading = false;  ///< The mean's heading is undefined; the cluster's was taken.

@@ -1,6 +1,8 @@
 #include "common/filter/start.h"
 
 #include "common/error.h"
+#include "common/filter/bind.h"
+#include "common/filter/free_space.h"
 #include "common/math/philox.h"
 #include "common/math/portable64.h"
 
@@ -48,21 +50,24 @@ ParticleSet mixture_start(const GridMap& map, const std::vector<PoseGuess>& gues
   return set;
 }
 
-ParticleSet uniform_start(const GridMap& map, std::int64_t particles, std::uint64_t seed) {
-  std::vector<std::uint32_t> free_cells;
+std::vector<std::uint32_t> free_cells(const GridMap& map) {
+  std::vector<std::uint32_t> cells;
   for (std::size_t c = 0; c < map.size(); ++c)
-    if (map.cells[c] == Cell::free) free_cells.push_back(static_cast<std::uint32_t>(c));
-  if (free_cells.empty()) throw Error(ErrorKind::input, map.name + ": the map has no free cell to start in");
+    if (map.cells[c] == Cell::free) cells.push_back(static_cast<std::uint32_t>(c));
+  if (cells.empty()) throw Error(ErrorKind::input, map.name + ": the map has no free cell to start in");
+  return cells;
+}
+
+ParticleSet uniform_start(const GridMap& map, std::int64_t particles, std::uint64_t seed) {
+  const std::vector<std::uint32_t> cells = free_cells(map);
+  const FreeSpace free = bind_free_space(cells.data(), cells.size(), map);
   ParticleSet set = empty_set(particles);
-  const float resolution_m = static_cast<float>(map.resolution_m);
-  const auto width = static_cast<std::uint32_t>(map.width);
   for (std::size_t i = 0; i < set.x.size(); ++i) {
-    const Philox4x32 r = philox(static_cast<std::uint32_t>(i), 0, Stream::uniform_start, 0, seed);
-    const std::uint32_t cell =
-        free_cells[uniform_below(r.w[0], static_cast<std::uint32_t>(free_cells.size()))];
-    set.x[i] = (static_cast<float>(cell % width) + uniform_unit(r.w[1])) * resolution_m;
-    set.y[i] = (static_cast<float>(cell / width) + uniform_unit(r.w[2])) * resolution_m;
-    set.theta[i] = wrap(fused(6.28318548f, uniform_unit(r.w[3]), -3.14159274f));
+    const GridPose pose =
+        free_pose(free, philox(static_cast<std::uint32_t>(i), 0, Stream::uniform_start, 0, seed));
+    set.x[i] = pose.x;
+    set.y[i] = pose.y;
+    set.theta[i] = pose.theta;
   }
   return set;
 }

@@ -26,6 +26,9 @@ struct PoseGuess {
 ParticleSet mixture_start(const GridMap& map, const std::vector<PoseGuess>& guesses, std::int64_t particles,
                           std::uint64_t seed, std::uint32_t step);
 
+/// Row-major indices of the free cells. Throws Error{input} if there are none.
+std::vector<std::uint32_t> free_cells(const GridMap& map);
+
 /// Uniform over the free cells and all headings. Throws Error{input} for a map without free cells.
 ParticleSet uniform_start(const GridMap& map, std::int64_t particles, std::uint64_t seed);
 

@@ -5,6 +5,8 @@
 #include <cerrno>
 #include <cstdio>
 #include <cstring>
+#include <filesystem>
+#include <system_error>
 
 #include "common/error.h"
 
@@ -25,16 +27,29 @@ int write_whole(const std::string& path, std::string_view bytes) {
   return error_number;
 }
 
+// The process id keeps two runs that write the same result apart.
+std::string temporary_of(const std::string& path) {
+  return path + ".part" + std::to_string(getpid());
+}
+
 }  // namespace
 
 void replace_file(const std::string& path, std::string_view bytes) {
-  // The process id keeps two runs that write the same result apart.
-  const std::string temporary = path + ".part" + std::to_string(getpid());
+  const std::string temporary = temporary_of(path);
   int error_number = write_whole(temporary, bytes);
   if (error_number == 0 && std::rename(temporary.c_str(), path.c_str()) != 0) error_number = errno;
   if (error_number == 0) return;
   std::remove(temporary.c_str());
   fail(path, error_number);
+}
+
+void expect_writable(const std::string& path) {
+  const std::string temporary = temporary_of(path);
+  int error_number = write_whole(temporary, "");
+  std::remove(temporary.c_str());
+  std::error_code ignored;
+  if (error_number == 0 && std::filesystem::is_directory(path, ignored)) error_number = EISDIR;
+  if (error_number != 0) fail(path, error_number);
 }
 
 }  // namespace parloc

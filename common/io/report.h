@@ -36,6 +36,8 @@ struct StepRecord {
   double step_ms = 0.0;                                            ///< Wall time of the step.
   bool resampled = false;
   bool lost = false;
+  double particles = 0.0;   ///< That were weighed.
+  double p_injected = 0.0;  ///< Share of the next ones that is drawn from free space.
 };
 
 /// A line of one of the report's tables. Both are plain text: the writer escapes them.
@@ -67,7 +69,8 @@ struct RunReport {
 
   std::vector<StepRecord> steps;
   double resample_below = 0.0;  ///< N_eff under which is resampled: threshold * particles; 0: not drawn.
-  double particles = 0.0;       ///< N, the upper end of the N_eff plot; 0: not known.
+  double particles = 0.0;       ///< N, the upper end of the N_eff plot; 0: not known, or not fixed.
+  bool adaptive = false;        ///< N changes from step to step: drawn beside N_eff.
 
   std::vector<Snapshot> snapshots;  ///< In time order; 6 to 12 follow a run well, at most 24 are shown.
   bool every_cloud = false;         ///< The map shows all of them together, not only one moment's.

@@ -54,8 +54,14 @@ Plot error_plot(const std::string& title, const std::string& unit, const TrackEr
 }
 
 Plot n_eff_plot(const RunReport& report, const std::vector<double>& stamps) {
-  Plot plot{"Effective particles", "N_eff", PlotScale::from_zero, {}, {}, {}, {}};
-  plot.series.push_back({"", "c1", stamps, column(report.steps, [](auto& s) { return s.n_eff; })});
+  // A number that adapts starts at many times what it is later.
+  const PlotScale scale = report.adaptive ? PlotScale::automatic : PlotScale::from_zero;
+  Plot plot{"Effective particles", "N_eff", scale, {}, {}, {}, {}};
+  plot.series.push_back(
+      {report.adaptive ? "N_eff" : "", "c1", stamps, column(report.steps, [](auto& s) { return s.n_eff; })});
+  if (report.adaptive)
+    plot.series.push_back(
+        {"all particles", "c6", stamps, column(report.steps, [](auto& s) { return s.particles; })});
   if (report.resample_below > 0.0) plot.levels.push_back({"threshold", "c5", report.resample_below});
   if (report.particles > 0.0) plot.levels.push_back({"all particles", "c6", report.particles});
   plot.marks.push_back({"resampled", "c2", stamps_when(report.steps, [](auto& s) { return s.resampled; })});

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "common/localize/scan_evidence.h"
+#include "common/search/scan_evidence.h"
 #include "common/math/portable64.h"
 #include "common/search/global_search.h"
 

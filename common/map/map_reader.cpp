@@ -151,6 +151,7 @@ GridMap read_map(const std::string& path) {
 void write_map(const std::string& yaml_path, const GridMap& map) {
   const fs::path image_path = fs::path(yaml_path).replace_extension(".pgm");
   check_writable(yaml_path, image_path, map);
+  expect_writable(yaml_path);
   replace_file(image_path.string(), pgm_of_map(map));  // first, so that a new YAML never lacks its image
   replace_file(yaml_path, yaml_of_map(map, image_path.filename().string()));
 }

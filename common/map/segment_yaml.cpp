@@ -55,7 +55,8 @@ class SegmentEvents : public YAML::EventHandler {
   }
   void OnMapStart(const YAML::Mark& mark, const std::string&, YAML::anchor_t,
                   YAML::EmitterStyle::value) override {
-    if (in_map_ || depth_ > 0) fail(line_of(mark), expected_here() + ", found a group");
+    if (in_map_ || depth_ > 0)
+      fail(line_of(mark), expected_here() + ", found a group, or a '[' that is not closed");
     in_map_ = true;
   }
   void OnMapEnd() override {}

@@ -8,9 +8,10 @@
 
 namespace parloc {
 
-/// Per-beam log-likelihoods are rounded to 2^-16 nat and added as 64-bit integers: any order gives the same
-/// sum.
+/// Per-beam log-likelihoods of rays are rounded to 2^-16 nat and added as 64-bit integers: any order gives
+/// the same sum. (Those of the likelihood field are integers in a unit of its own.)
 constexpr float kLogLikelihoodScale = 65536.0f;
+constexpr float kLogLikelihoodUnit_nat = 1.0f / kLogLikelihoodScale;
 constexpr float kLogLikelihoodFloor = -30000.0f;  // keeps one beam inside 32 bits
 
 PARLOC_HD std::int32_t fixed_log_likelihood(float log_likelihood) {
@@ -19,8 +20,8 @@ PARLOC_HD std::int32_t fixed_log_likelihood(float log_likelihood) {
 }
 
 /// log-weight after a scan: previous + tempering * sum of the beams.
-PARLOC_HD float tempered_log_weight(float previous, std::int64_t beam_sum, float tempering) {
-  return fused(static_cast<float>(beam_sum), tempering * (1.0f / kLogLikelihoodScale), previous);
+PARLOC_HD float tempered_log_weight(float previous, std::int64_t beam_sum, float unit_nat, float tempering) {
+  return fused(static_cast<float>(beam_sum), tempering * unit_nat, previous);
 }
 
 /// Bits of a fixed-point weight: S = min(40, 62 - ceil(log2 N)), so that N weights never overflow (SPEC 5.4).

@@ -43,6 +43,12 @@ PARLOC_HD float float_of(std::uint32_t bits) {
   return x;
 }
 
+/// The nearest integer to x, |x| <= 2^22, ties to even: what the sum leaves in the low bits. Quicker than a
+/// conversion that must answer for all floats.
+PARLOC_HD std::int32_t whole_of(float x) {
+  return static_cast<std::int32_t>(bits_of(x + 12582912.0f)) - 0x4B400000;
+}
+
 /// exp(x); 0 below -87, +inf above 88.
 PARLOC_HD float portable_exp(float x) {
   const float xc = min_of(max_of(x, -87.0f), 88.0f);  // NaN takes -87 here and is the caller's to reject

@@ -167,14 +167,14 @@ namespace {
 std::vector<Hypothesis> rank(std::vector<Hypothesis> all, const Separation& separation,
                              double effective_beams) {
   std::stable_sort(all.begin(), all.end(), [](const Hypothesis& a, const Hypothesis& b) {
-    return a.log_likelihood > b.log_likelihood;
+    return a.evidence > b.evidence;
   });
   std::vector<Hypothesis> kept;
   double total = 0.0;
   for (Hypothesis& h : all) {
     const auto apart = [&](const Hypothesis& other) { return separated(h.pose, other.pose, separation); };
     if (!std::all_of(kept.begin(), kept.end(), apart)) continue;
-    const double behind = h.log_likelihood - all.front().log_likelihood;
+    const double behind = h.evidence - all.front().evidence;
     h.weight = portable_exp(static_cast<float>(effective_beams * behind));
     total += h.weight;
     kept.push_back(h);
@@ -202,7 +202,7 @@ SearchResult GlobalSearch::search(const BeamTable& beams, const SearchPrior& pri
     h.explained = judged.explained;
     h.through = judged.through;
     h.unmapped = judged.unmapped;
-    h.log_likelihood = judged.log_likelihood;
+    h.evidence = judged.evidence;
     h.pose = compose(s.T_map_grid, pose);
     all.push_back(h);
   }

@@ -24,7 +24,7 @@ struct Hypothesis {
   double explained = 0.0;       ///< Share of beams that end where the map's ray does.
   double through = 0.0;         ///< ... that go through a wall of the map.
   double unmapped = 0.0;        ///< ... that end before the map's wall.
-  double log_likelihood = 0.0;  ///< Of the beam model with its defaults: mean over the beams.
+  double evidence = 0.0;  ///< What the scan says for it, against any other place [nat per beam].
   double weight = 0.0;          ///< Share among all hypotheses that were judged.
   bool as_good = false;         ///< As good as the first (which is, too).
 };

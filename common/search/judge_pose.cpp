@@ -2,10 +2,6 @@
 
 #include <cmath>
 
-#include "common/filter/bind.h"
-#include "common/filter/trace_beam.h"
-#include "common/map/blocking_cells.h"
-#include "common/map/skip_field.h"
 #include "common/math/portable64.h"
 
 namespace parloc {
@@ -36,16 +32,7 @@ double bilinear(const SearchGrid& grid, double u, double v) {
 }  // namespace
 
 PoseJudge::PoseJudge(const GridMap& map, const SearchMap& search)
-    : search_(search),
-      grid_(search.view()),
-      sensor_(default_sensor(SensorModel::beam)),
-      resolution_m_(map.resolution_m) {
-  if (!map.walls.empty()) walls_ = index_walls(map);
-  const std::vector<std::uint8_t> blocks =
-      map.walls.empty() ? blocking_cells(map, sensor_.unknown_blocks) : std::move(walls_.blocks);
-  skip_ = skip_field(blocks.data(), map.width, map.height, 0).lines;
-  ray_map_ = bind_ray_map(skip_.data(), 0, map, walls_.view());
-}
+    : search_(search), grid_(search.view()), evidence_(map), resolution_m_(map.resolution_m) {}
 
 double PoseJudge::score(const BeamTable& beams, const Pose& pose) const {
   const SinCos64 r = portable_sincos64(pose.theta_rad);
@@ -88,23 +75,13 @@ double PoseJudge::refine(const BeamTable& beams, double heading_step_rad, Pose& 
   return best;
 }
 
-PoseJudgement PoseJudge::judge(const BeamTable& beams, const Pose& pose) const {
-  float x = static_cast<float>(pose.x_m), y = static_cast<float>(pose.y_m);
-  float theta = static_cast<float>(pose.theta_rad);
-  const RayTraceArgs rays = bind_rays({&x, &y, &theta, nullptr, 1}, ray_map_, bind_beams(beams), sensor_);
-  const RayOrigin origin = ray_origin(rays, 0);
-  const CensoredBeam model = bind_censored(sensor_, beams.range_max_m);
-  const auto lambda = static_cast<float>(sensor_.lambda_short);
-  const float short_peak = static_cast<float>(sensor_.z_short) * lambda;
+PoseJudgement PoseJudge::judge(const BeamTable& beams, const Pose& pose) {
+  const double evidence = evidence_.per_beam(beams, pose);
   const SinCos64 r = portable_sincos64(pose.theta_rad);
   const double per_cell = 1.0 / search_.cell_m, scale = resolution_m_ * per_cell;
   std::size_t explained = 0, through = 0, unmapped = 0;
-  double sum = 0.0;
   for (std::size_t m = 0; m < beams.count; ++m) {
-    const float expected_m = trace_beam(rays, origin, m), measured_m = beams.range_m[m];
-    const bool hit = m < beams.hits;
-    sum += hit ? model.hit(measured_m, short_peak * portable_exp(-lambda * measured_m), expected_m)
-               : model.miss(measured_m, expected_m);
+    const float expected_m = evidence_.expected_m()[m], measured_m = beams.range_m[m];
     const float tolerance_m = kTolerance_m + kToleranceShare * measured_m;
     if (expected_m < measured_m - tolerance_m) {
       ++through;
@@ -119,7 +96,7 @@ PoseJudgement PoseJudge::judge(const BeamTable& beams, const Pose& pose) const {
   }
   const double count = beams.count > 0 ? static_cast<double>(beams.count) : 1.0;
   return {static_cast<double>(explained) / count, static_cast<double>(through) / count,
-          static_cast<double>(unmapped) / count, sum / count};
+          static_cast<double>(unmapped) / count, evidence};
 }
 
 }  // namespace parloc

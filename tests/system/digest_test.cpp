@@ -144,13 +144,13 @@ const char* golden(SensorModel model) {
     case SensorModel::beam:
       return "577e08781401eff90b2881852d4319d75eede1bddc13101be5f75727554cdeda";
     case SensorModel::likelihood_field:
-      return "f61980414f960832886b8f0ce13fad65a9719a63c46b840dc10d6bf4475d4bf8";
+      return "dc6ce8a4665ffaa3958c077ff823adf4b2df277ba5a8660841f5c0f8f1238ab2";
     case SensorModel::s5:
       return "7f7d52ed559f643d8fcb46bfa5f8e99b0d7f301c12f7f12d2ee6e680386052fb";
     case SensorModel::class_conditional:
       return "b4398484648672f01bb0022c6130d46d07cace3a39e5e87aef691b7b41f1a765";
     case SensorModel::likelihood_field_prob:
-      return "3d081222fa9d6a990e0f978fbd057998ac94ea03c352a37d025d09b48caffc02";
+      return "27916d6062773939e293cd658e4b33816a1b7e1742fd6200edfbf3a43399d974";
   }
   return "";
 }

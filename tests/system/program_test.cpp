@@ -449,6 +449,7 @@ TEST_F(Program, MapErrorsAreOneLine) {
   GridMap solid = room;
   solid.cells.assign(solid.cells.size(), Cell::occupied);
   write_map(path("solid.yaml"), solid);
+  fs::create_directories(path("taken.yaml/inside"));
   const struct {
     Args args;
     int code;
@@ -474,6 +475,13 @@ TEST_F(Program, MapErrorsAreOneLine) {
        "--max-error: expected a number"},
       {{"map", "convert", path("room.yaml"), path("o.yaml"), "--to", "grid"}, 2, "is a grid already"},
       {{"map", "convert", path("room.yaml"), path("no/such/o.yaml")}, 5, "cannot be written"},
+      {{"map", "convert", path("odd.yaml"), path("taken.yaml")}, 5, "taken.yaml: cannot be written"},
+      {{"map", "convert", path("room.yaml"), path("o.shp")}, 2, "expected OUT to end in .yaml"},
+      {{"map", "convert", path("room.yaml"), path("o")}, 2, "expected OUT to end in .yaml"},
+      {{"map", "convert", path("odd.yaml"), path("o.png")}, 2, "such as map.yaml"},
+      {{"map", "convert", path("room.yaml"), path("o.yaml"), "--picture", path("no/such/p.png")},
+       5,
+       "cannot be written"},
       {{"map", "show", path("room.yaml"), "--out", path("no/such/p.png")}, 5, "cannot be written"},
       {{"map", "show", path("room.yaml")}, 2, "--out"},
   };
@@ -483,6 +491,27 @@ TEST_F(Program, MapErrorsAreOneLine) {
     EXPECT_NE(outcome.err.find(c.part), std::string::npos) << outcome.err;
     EXPECT_EQ(std::count(outcome.err.begin(), outcome.err.end(), '\n'), 1) << outcome.err;
   }
+  for (const char* left : {"o", "o.yaml", "o.pgm", "o.png", "o.shp", "o.geojson", "taken.pgm"})
+    EXPECT_FALSE(fs::exists(path(left))) << left;
+}
+
+TEST_F(Program, LearnErrorsAreOneLine) {
+  write_file(path("nothing.log"), "");
+  const auto learn = [&](const std::string& log, const Args& more) {
+    Args args = {"learn",   "--map",           path("room.yaml"), "--log",         log,
+                 "--truth", path("truth.tum"), "--out",           path("learned"), "--quiet"};
+    args.insert(args.end(), more.begin(), more.end());
+    return call(args);
+  };
+  const Outcome empty = learn(path("nothing.log"), {});
+  EXPECT_EQ(empty.code, 3);
+  EXPECT_NE(empty.err.find("nothing.log: expected at least 100 beams with a true pose"), std::string::npos)
+      << empty.err;
+  const Outcome beams = learn(path("drive.log"), {"--beams", "0"});
+  EXPECT_EQ(beams.code, 2);
+  EXPECT_NE(beams.err.find("scan.max_beams must be 1 to 4096"), std::string::npos) << beams.err;
+  for (const Outcome& o : {empty, beams}) EXPECT_EQ(std::count(o.err.begin(), o.err.end(), '\n'), 1) << o.err;
+  EXPECT_FALSE(fs::exists(path("learned")));
 }
 
 TEST_F(Program, TellsAboutMapsAndDevices) {

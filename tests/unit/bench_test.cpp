@@ -1,31 +1,25 @@
-// `parloc bench`: the published figures, what is measured, how numbers come from times, and the files.
+// `parloc bench`: the published figures, what is measured, and whole measurements.
 #include <gtest/gtest.h>
 
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
 #include <nlohmann/json.hpp>
-#include <numeric>
 #include <sstream>
 #include <string>
 #include <vector>
 
 #include "common/error.h"
 #include "common/eval/simulator.h"
-#include "tools/bench/bisect.h"
+#include "tests/unit/timing_rules.h"
 #include "tools/bench/json.h"
 #include "tools/bench/maps_folder.h"
 #include "tools/bench/measure.h"
 #include "tools/bench/memory.h"
-#include "tools/bench/numbers.h"
-#include "tools/bench/pages.h"
 #include "tools/bench/published.h"
 #include "tools/bench/rig.h"
 #include "tools/bench/scale_run.h"
 #include "tools/bench/scenes.h"
-#include "tools/bench/statistics.h"
-#include "tools/bench/table.h"
-#include "tools/bench/tables.h"
 #include "tools/bench/tables_run.h"
 #include "tools/bench/variants.h"
 
@@ -105,111 +99,6 @@ TEST(Published, DerivedFiguresAreRight) {
   EXPECT_NEAR(without_rays(0, 4000), 29.9, 0.05);
   EXPECT_NEAR(without_rays(2, 1000), 1.7, 0.05);
   EXPECT_NEAR(without_rays(2, 4000), 22.4, 0.05);
-}
-
-// ---- times ---------------------------------------------------------------------------------------------
-
-TEST(Statistics, OfKnownTimes) {
-  std::vector<double> times(100);
-  std::iota(times.begin(), times.end(), 1.0);
-  std::reverse(times.begin(), times.end());
-  const TimeSummary s = summarise(times);
-  EXPECT_EQ(s.count, 100u);
-  EXPECT_DOUBLE_EQ(s.median_s, 50.5);
-  EXPECT_DOUBLE_EQ(s.p99_s, 99.0);
-  EXPECT_DOUBLE_EQ(s.q1_s, 25.75);
-  EXPECT_DOUBLE_EQ(s.q3_s, 75.25);
-  EXPECT_DOUBLE_EQ(s.least_s, 1.0);
-  EXPECT_DOUBLE_EQ(s.most_s, 100.0);
-}
-
-TEST(Statistics, OfFewTimes) {
-  const TimeSummary none = summarise({});
-  EXPECT_EQ(none.count, 0u);
-  EXPECT_EQ(none.median_s, 0.0);
-  const TimeSummary one = summarise({3.0});
-  EXPECT_EQ(one.median_s, 3.0);
-  EXPECT_EQ(one.p99_s, 3.0);
-  EXPECT_EQ(one.q1_s, 3.0);
-  const TimeSummary odd = summarise({9.0, 1.0, 2.0});
-  EXPECT_EQ(odd.median_s, 2.0);
-  EXPECT_EQ(odd.p99_s, 9.0);  // of fewer than 100 the longest
-  EXPECT_EQ(odd.q1_s, 1.5);
-  EXPECT_EQ(odd.q3_s, 5.5);
-}
-
-TimingRules rules_of(double seconds, int least, int most) {
-  TimingRules rules;
-  rules.seconds = seconds;
-  rules.least_steps = least;
-  rules.most_steps = most;
-  rules.warm_up_steps = 2;
-  rules.warm_up_seconds = 0.0;
-  return rules;
-}
-
-TEST(Measure, CountsStepsAfterTheWarmUp) {
-  int steps = 0;
-  const auto step = [&] { return static_cast<double>(++steps); };
-  const auto time = measure(step, rules_of(0.0, 7, 1000), {});
-  ASSERT_TRUE(time);
-  EXPECT_EQ(steps, 9);
-  EXPECT_EQ(time->count, 7u);
-  EXPECT_EQ(time->least_s, 3.0);  // the two of the warm-up are not in it
-  EXPECT_EQ(time->median_s, 6.0);
-  EXPECT_EQ(measure(step, rules_of(3600.0, 7, 20), {})->count, 20u);
-}
-
-TEST(Measure, EndsEarlyWhenAsked) {
-  int steps = 0;
-  const auto step = [&] { return static_cast<double>(++steps); };
-  Control stopped;
-  stopped.stop = [&] { return steps >= 5; };
-  EXPECT_FALSE(measure(step, rules_of(0.0, 100, 1000), stopped));
-  EXPECT_EQ(steps, 5);
-  Control late;
-  late.deadline = Clock::now();
-  steps = 0;
-  EXPECT_EQ(measure(step, rules_of(0.0, 100, 1000), late)->count, 1u);
-  EXPECT_EQ(steps, 2);
-}
-
-TEST(Measure, LongStepsAreRepeatedLess) {
-  TimingRules rules = rules_of(0.0, 100, 1000);
-  rules.long_seconds = 0.0;
-  int steps = 0;
-  EXPECT_EQ(measure([&] { return static_cast<double>(++steps); }, rules, {})->count, 3u);
-  EXPECT_EQ(steps, 4);
-}
-
-TEST(Bisect, FindsTheLargest) {
-  for (const std::int64_t truth : {64, 65, 700, 12'345, 999'999}) {
-    for (const std::int64_t guess : {1, 100, 10'000, 100'000'000}) {
-      int calls = 0;
-      const auto found = largest_that_fits(64, 1'000'000, guess, 0.02, [&](std::int64_t n) {
-        ++calls;
-        return std::optional<bool>(n <= truth);
-      });
-      ASSERT_TRUE(found);
-      EXPECT_LE(found->fits, truth);
-      EXPECT_GT(found->too_many, truth);
-      const bool close = static_cast<double>(found->too_many) <= 1.02 * static_cast<double>(found->fits);
-      EXPECT_TRUE(close || found->too_many - found->fits == 1) << found->fits << ' ' << found->too_many;
-      EXPECT_LE(calls, 24) << truth << ' ' << guess;  // 14 doublings at most, 6 halvings to 2 %
-    }
-  }
-}
-
-TEST(Bisect, AtTheEnds) {
-  const auto all =
-      largest_that_fits(64, 1000, 200, 0.02, [](std::int64_t) { return std::optional<bool>(true); });
-  EXPECT_EQ(all->fits, 1000);
-  EXPECT_EQ(all->too_many, 0);
-  const auto none =
-      largest_that_fits(64, 1000, 200, 0.02, [](std::int64_t) { return std::optional<bool>(false); });
-  EXPECT_EQ(none->fits, 0);
-  EXPECT_EQ(none->too_many, 64);
-  EXPECT_FALSE(largest_that_fits(64, 1000, 200, 0.02, [](std::int64_t) { return std::optional<bool>(); }));
 }
 
 // ---- scenes --------------------------------------------------------------------------------------------
@@ -409,178 +298,6 @@ TEST(Memory, TooLargeIsSaidBefore) {
   EXPECT_EQ(particles_in_memory(cpu, 5000, available), 5000);
   EXPECT_EQ(particles_in_memory(cpu, 5000, 1000), 0);
   EXPECT_GT(available_bytes().value_or(1), 0u);
-}
-
-// ---- texts ---------------------------------------------------------------------------------------------
-
-TEST(Numbers, HaveFewDigits) {
-  EXPECT_EQ(significant(0.00123456, 3), "0.00123");
-  EXPECT_EQ(significant(0.0999, 2), "0.10");
-  EXPECT_EQ(significant(123456.0, 3), "123000");
-  EXPECT_EQ(significant(0.0, 3), "0");
-  EXPECT_EQ(significant(NAN, 3), "-");
-  EXPECT_EQ(seconds_text(0.76789), "0.7679");
-  EXPECT_EQ(seconds_text(0.0012345), "0.00123");
-  EXPECT_EQ(milliseconds_text(0.0012345), "1.23");
-  EXPECT_EQ(short_number(68.93e6), "68.9 M");
-  EXPECT_EQ(short_number(1.49e9), "1.49 G");
-  EXPECT_EQ(grouped(16'777'216), "16,777,216");
-  EXPECT_EQ(grouped(999), "999");
-  EXPECT_EQ(grouped(-1000), "-1,000");
-}
-
-std::vector<std::string> lines_of(const std::string& text) {
-  std::vector<std::string> lines;
-  std::istringstream stream(text);
-  for (std::string line; std::getline(stream, line);) lines.push_back(line);
-  return lines;
-}
-
-TEST(Tables, ArePartedWhereTheyAreTooWide) {
-  Table table;
-  table.title = "T";
-  table.columns = {{"", "key", true}, {"a", "one"}, {"a", "two"}, {"b", "three"}, {"b", "four"}};
-  table.rows = {{"x", "1", "2", "3", "4"}, {"y", "11", "22", "33", "44"}};
-  const auto whole = lines_of(terminal_text(table, 100));
-  ASSERT_EQ(whole.size(), 5u) << terminal_text(table, 100);
-  EXPECT_EQ(whole[3], "x      1    2      3     4");
-  const auto parts = lines_of(terminal_text(table, 16));
-  ASSERT_EQ(parts.size(), 10u) << terminal_text(table, 16);  // title, 4, blank, 4
-  for (const std::string& line : parts) EXPECT_LE(line.size(), 16u) << line;
-  EXPECT_EQ(parts[3], "x      1    2");
-  EXPECT_EQ(parts[8], "x        3     4");
-  EXPECT_EQ(lines_of(markdown_text(table)).size(), 6u);
-  table.rows[0][0] = "<script>";
-  EXPECT_EQ(html_text(table).find("<script>"), std::string::npos);
-}
-
-TEST(Results, SkippedRowsOfOneReasonAreOneLine) {
-  const auto lines = skipped_lines({{"a", "memory"}, {"b", "time"}, {"c", "memory"}});
-  EXPECT_EQ(lines, (std::vector<std::string>{"skipped a and 1 more: memory", "skipped b: time"}));
-}
-
-/// Results as of a large machine, with made-up times: particles x beams / rate.
-Results made_up(bool scale) {
-  Results r;
-  r.scale = scale;
-  r.command = "parloc bench --out <b>";
-  r.date = date_now();
-  r.machine = machine_here();
-  r.scenes = {{"no_hit", "empty"}};
-  const Place place{"no_hit", "tracking"};
-  const auto add = [&](Sweep sweep, std::size_t v, std::int64_t n, int m, double rays_per_s) {
-    Row row{sweep, place, v, n, m, {}, {}};
-    row.time = summarise({static_cast<double>(n) * m / rays_per_s});
-    if (scale) row.stages = StageSeconds{1e-6, 1e-6, row.time.median_s, 1e-5, 1e-5, 1e-5};
-    r.rows.push_back(row);
-  };
-  for (const Variant& v : {Variant{Algorithm::published, BackendChoice::cpu, 1, 0},
-                           {Algorithm::published, BackendChoice::cpu, 128, 0},
-                           {Algorithm::parloc, BackendChoice::cpu, 1, 0},
-                           {Algorithm::parloc, BackendChoice::cpu, 128, 0},
-                           {Algorithm::parloc, BackendChoice::cuda, 1, 0},
-                           {Algorithm::parloc, BackendChoice::cuda, 1, 1}})
-    r.index_of(v);
-  double rays_per_s = 1e6;
-  for (std::size_t v = 0; v < r.variants.size(); ++v, rays_per_s *= 7.0) {
-    if (!scale) {
-      for (const std::int64_t n : kPublishedParticles)
-        for (const int m : kPublishedBeams) add(Sweep::tables, v, n, m, rays_per_s);
-    } else {
-      for (std::int64_t n = 1024; n <= 16'777'216; n *= 4) add(Sweep::particles, v, n, 200, rays_per_s);
-      for (const int m : {50, 1080}) add(Sweep::beams, v, 65'536, m, rays_per_s);
-      for (const std::int64_t n : {4000, 65'536}) add(Sweep::threads, v, n, 200, rays_per_s);
-      for (const double budget_s : kScaleBudgets_s) {
-        r.largest.push_back(
-            {place, v, 200, budget_s, 16'777'216, 0, "the most that parloc takes", 0.01, 0.02});
-        r.largest.push_back({place, v, 200, budget_s, 0, 64, "", 0.0, 0.0});
-      }
-    }
-  }
-  r.skipped = {
-      {"no_hit, tracking, 16777216 x 200: parloc, 1 thread", "needs 2.5 GB of memory, 1 GB are available"}};
-  r.notes = {"cuda 2 is not measured: no kernel image is available for execution on the device"};
-  return r;
-}
-
-TEST(Pages, FitTheTerminal) {
-  for (const bool scale : {false, true}) {
-    Results results = made_up(scale);
-    results.interrupted = true;
-    const std::string page = terminal_page(results);
-    for (const std::string& line : lines_of(page)) EXPECT_LE(line.size(), 100u) << line;
-    EXPECT_NE(page.find("skipped no_hit, tracking, 16777216 x 200"), std::string::npos);
-    EXPECT_NE(page.find("no kernel image"), std::string::npos);
-    EXPECT_NE(page.find("- interrupted"), std::string::npos);
-  }
-}
-
-TEST(Pages, MarkWhatIsWithinTheBudgetAndGiveRatios) {
-  const Results results = made_up(false);
-  const Table table = published_table(results, {"no_hit", "tracking"}, published_tables()[1]);
-  ASSERT_EQ(table.rows.size(), 15u);
-  const auto& last = table.rows.back();
-  EXPECT_EQ(last[0], "4000x200");
-  EXPECT_EQ(last[1], "0.1642 ");
-  EXPECT_EQ(last[2], "0.8000 ");  // 800,000 rays at 1 M/s
-  EXPECT_EQ(last[3], "4.9");      // 0.8 / 0.1642
-  EXPECT_EQ(last[6], "0.0163*");  // at 49 M/s
-  const Table summary = summary_table(results, {"no_hit", "tracking"});
-  ASSERT_EQ(summary.rows.size(), 9u);
-  EXPECT_EQ(summary.rows[0][1], "1 of 15");
-  EXPECT_EQ(summary.rows[2][1], "9 of 15");
-  EXPECT_EQ(summary.rows[3][1], "1 of 15");  // 500 x 50 in 25 ms alone
-  EXPECT_EQ(summary.rows[5].back(), "49.0 x");
-}
-
-TEST(Pages, WebPageIsWholeAndSafe) {
-  for (const bool scale : {false, true}) {
-    const std::string html = html_page(made_up(scale));
-    EXPECT_NE(html.find("</html>"), std::string::npos);
-    EXPECT_EQ(html.find("http"), std::string::npos) << "nothing is fetched";
-    EXPECT_EQ(html.find("src="), std::string::npos);
-    EXPECT_NE(html.find("&lt;b&gt;"), std::string::npos);
-    EXPECT_EQ(html.find("nan"), std::string::npos);
-    std::size_t figures = 0;
-    for (std::size_t at = html.find("<figure"); at != std::string::npos; at = html.find("<figure", at + 1))
-      ++figures;
-    EXPECT_EQ(figures, 3u);
-    EXPECT_NE(html.find(">40 ms</text>"), std::string::npos);
-  }
-}
-
-TEST(Pages, JsonHasEverything) {
-  const Json tables = Json::parse(json_text(made_up(false)));
-  EXPECT_EQ(tables.at("mode"), "tables");
-  EXPECT_EQ(tables.at("interrupted"), false);
-  for (const char* key :
-       {"cpu", "cores", "memory_bytes", "os", "devices", "gpu_driver", "load_average", "settings"})
-    EXPECT_TRUE(tables.at("machine").contains(key)) << key;
-  for (const char* key : {"version", "commit", "compiler", "flags", "build_type", "cuda"})
-    EXPECT_TRUE(tables.at("build").contains(key)) << key;
-  for (const char* key :
-       {"command", "date", "protocol", "scenes", "published", "variants", "rows", "skipped", "notes"})
-    EXPECT_TRUE(tables.contains(key)) << key;
-  ASSERT_EQ(tables.at("rows").size(), 90u);
-  const Json& row = tables.at("rows").at(14);
-  for (const char* key : {"median_s", "p99_s", "q1_s", "q3_s", "steps", "rays_per_s", "particles", "beams"})
-    EXPECT_TRUE(row.at(key).is_number()) << key;
-  EXPECT_EQ(row.at("variant"), "published, 1 thread");
-  EXPECT_NEAR(row.at("ratio").at("gtx560").get<double>(), 0.8 / 0.1642, 1e-9);
-  EXPECT_EQ(row.at("within_budget"), false);
-  EXPECT_EQ(tables.at("published").at(2).at("seconds").at(4).at(2), 0.0975);
-  EXPECT_EQ(tables.at("variants").at(0).at("caster"), "fixed_step");
-  EXPECT_EQ(tables.at("variants").at(0).at("resampling"), "multinomial_linear");
-  EXPECT_EQ(tables.at("variants").at(4).at("backend"), "cuda");
-
-  const Json scale = Json::parse(json_text(made_up(true)));
-  EXPECT_EQ(scale.at("mode"), "scale");
-  const Json& weight = scale.at("rows").at(0).at("stages").at("weight");
-  EXPECT_GT(weight.at("share").get<double>(), 0.9);
-  EXPECT_DOUBLE_EQ(weight.at("least_bytes").get<double>(), 20.0 * 1024);  // pose, and log-weight twice
-  EXPECT_TRUE(weight.at("least_bytes_per_s").is_number());
-  EXPECT_EQ(scale.at("largest").at(0).at("particles"), 16'777'216);
-  EXPECT_EQ(scale.at("largest").at(1).at("too_many"), 64);
 }
 
 // ---- whole measurements --------------------------------------------------------------------------------

@@ -115,7 +115,7 @@ TEST(Locate, HypothesesAreApartAndSorted) {
   for (std::size_t a = 0; a < r.hypotheses.size(); ++a) {
     weights += r.hypotheses[a].weight;
     if (a > 0) {
-      EXPECT_LE(r.hypotheses[a].log_likelihood, r.hypotheses[a - 1].log_likelihood);
+      EXPECT_LE(r.hypotheses[a].evidence, r.hypotheses[a - 1].evidence);
     }
     for (std::size_t b = 0; b < a; ++b)
       EXPECT_TRUE(separated(r.hypotheses[a].pose, r.hypotheses[b].pose,

@@ -279,7 +279,7 @@ TEST_F(MapFolder, AMapThatCannotBeWrittenChangesNothing) {
     return message_of(ErrorKind::output, [&] { write_map(file, m); });
   };
   EXPECT_EQ(message(path("none/map.yaml"), map),
-            path("none/map.pgm") + ": cannot be written: No such file or directory");
+            path("none/map.yaml") + ": cannot be written: No such file or directory");
   EXPECT_EQ(message(path("map.pgm"), map),
             path("map.pgm") + ": is the name of the image: expected one such as map.yaml");
   EXPECT_EQ(message(folder_.string() + "/", map),
@@ -290,6 +290,9 @@ TEST_F(MapFolder, AMapThatCannotBeWrittenChangesNothing) {
       message(path("map.yaml"), broken),
       path("map.yaml") + ": a map of 2 x 1 with 1 cells cannot be written: expected sides from 1 to 32767");
   EXPECT_TRUE(fs::is_empty(folder_));
+  fs::create_directories(path("taken.yaml"));
+  EXPECT_EQ(message(path("taken.yaml"), map), path("taken.yaml") + ": cannot be written: Is a directory");
+  EXPECT_FALSE(fs::exists(path("taken.pgm")));
 }
 
 // ---- the grid -----------------------------------------------------------------------------------

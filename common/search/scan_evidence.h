@@ -22,6 +22,8 @@ class ScanEvidence {
   /// is, below 0 where it is not. 0 for a scan without beams. Of a range_max_m that was not seen before the
   /// first call takes milliseconds. Deterministic on every machine.
   double per_beam(const BeamTable& beams, const Pose& pose_in_grid);
+  /// Expected ranges of that call, by beam [m].
+  const std::vector<float>& expected_m() const { return expected_m_; }
 
  private:
   void learn_chance(float range_max_m);

@@ -1,4 +1,4 @@
-#include "common/localize/scan_evidence.h"
+#include "common/search/scan_evidence.h"
 
 #include <algorithm>
 #include <utility>

@@ -1,0 +1,131 @@
+// Scenario files: what is read, and what is refused in which words.
+#include "common/eval/scenario.h"
+
+#include "tests/unit/simulated.h"
+
+namespace parloc {
+namespace {
+
+TEST(ScenarioReader, names_what_is_wrong_and_where) {
+  struct Case {
+    const char* text;
+    const char* expected;
+  };
+  const Case cases[] = {
+      {"map: a.yaml\npath: b.yaml\nsed: 3\n", "s.yaml:3: unknown key 'sed'; the nearest valid key is 'seed'"},
+      {"map: a.yaml\npath: b.yaml\nlidar:\n  beems: 3\n",
+       "s.yaml:4: unknown key 'lidar.beems'; the nearest valid key is 'lidar.beams'"},
+      {"path: b.yaml\n", "s.yaml:1: map is missing"},
+      {"map: a.yaml\npath: b.yaml\nmap: c.yaml\n", "s.yaml:3: duplicate key 'map'"},
+      {"map: a.yaml\npath: b.yaml\nlidar:\n  beams: 0\n", "s.yaml:4: lidar.beams must be 1 to 4096, got 0"},
+      {"map: a.yaml\npath: b.yaml\nlidar:\n  beams: 3.5\n",
+       "s.yaml:4: lidar.beams must be a whole number, got '3.5'"},
+      {"map: a.yaml\npath: b.yaml\nlidar: 3\n", "s.yaml:3: lidar: expected 'key: value' lines, got '3'"},
+      {"map: a.yaml\npath: b.yaml\nlidar:\n  range_max: .nan\n",
+       "s.yaml:4: lidar.range_max: expected a number"},
+      {"map: a.yaml\npath: b.yaml\nlidar:\n  range_min: 9\n",
+       "s.yaml:4: lidar.range_min must be below range_max"},
+      {"map: a.yaml\npath: b.yaml\nlidar:\n  over_range: far\n",
+       "s.yaml:4: lidar.over_range must be max, inf or code, got 'far'"},
+      {"map: a.yaml\npath: b.yaml\nlidar:\n  mount: [1, 2]\n",
+       "s.yaml:4: lidar.mount must be a list of 3 numbers"},
+      {"map: a.yaml\npath: b.yaml\nlidar:\n  upside_down: 1\n",
+       "s.yaml:4: lidar.upside_down must be true or false, got '1'"},
+      {"map: a.yaml\npath: b.yaml\nlidar:\n  scan_time: 2\n",
+       "s.yaml:4: lidar.scan_time must be 0 to 1, got 2"},
+      {"map: a.yaml\npath: b.yaml\nlidar:\n  stamp_at: end\n",
+       "s.yaml:4: lidar.stamp_at must be first, middle or last, got 'end'"},
+      {"map: a.yaml\npath: b.yaml\nlidars:\n  - beams: 3\n  - beems: 3\n",
+       "s.yaml:5: unknown key 'lidars[1].beems'; the nearest valid key is 'lidars[1].beams'"},
+      {"map: a.yaml\npath: b.yaml\nlidars: 3\n", "s.yaml:3: lidars must be a list of groups, got '3'"},
+      {"map: a.yaml\npath: b.yaml\nlidars: []\n", "s.yaml:3: lidars must be a list of 1 to 9 LiDARs"},
+      {"map: a.yaml\npath: b.yaml\nlidars:\n  - 3\n",
+       "s.yaml:4: lidars[0]: expected 'key: value' lines, got '3'"},
+      {"map: a.yaml\npath: b.yaml\nlidar: {beams: 3}\nlidars: [{beams: 3}]\n",
+       "s.yaml:4: lidars and lidar: only one of the two may be there"},
+      {"map: a.yaml\npath: b.yaml\nodometry:\n  alpha1: 0.1\n",
+       "s.yaml:4: odometry.alpha1 needs form beside it"},
+      {"map: a.yaml\npath: b.yaml\nseed: -1\n", "s.yaml:3: seed must be a whole number from 0"},
+      {"map: [a\n", "not valid YAML"},
+      {"", "expected 'key: value' lines, got nothing"},
+      {"map: a\n---\nmap: b\n", "expected one document, found a second one"},
+      {", 0], a[1,b\n", "expected one document, found a second one"},  // yaml-cpp alone never ends here
+      {"map: &a [*a]\n", "s.yaml:1: anchors and aliases"},
+      {"[[[[[[[[[]]]]]]]]]\n", "s.yaml:1: nested too deeply"},
+  };
+  for (const Case& c : cases) {
+    const std::string message = error_of([&] { scenario_from_text(c.text, "s.yaml"); }, ErrorKind::config);
+    EXPECT_NE(message.find(c.expected), std::string::npos) << message;
+  }
+}
+
+TEST(ScenarioReader, checks_the_points_of_a_path) {
+  struct Case {
+    const char* text;
+    const char* expected;
+  };
+  const Case cases[] = {
+      {"points: [[0, 0]]\n", "p.yaml:1: points must be a list of at least two points"},
+      {"points:\n  - [0, 0]\n  - [0, x]\n", "p.yaml:3: points: point 2: expected a number, got 'x'"},
+      {"points:\n  - [0, 0]\n  - [1]\n",
+       "p.yaml:3: points: point 2 must be [x, y], [x, y, pause_s] or [x, y, pause_s, spin_deg]"},
+      {"points:\n  - [0, 0]\n  - [0, 0]\n", "p.yaml:3: points: point 2 is the same as the one before"},
+      {"points:\n  - [0, 0]\n  - [1, 0, -1]\n", "p.yaml:3: points: point 2 must pause for 0 to 3600 s"},
+      {"points:\n  - [0, 0]\n  - [1, 0, 0, 40000]\n",
+       "p.yaml:3: points: point 2 must spin by at most 36000 degrees"},
+      {"points:\n  - [0, 0]\n  - [1e9, 0]\n", "p.yaml:3: points: point 2 is beyond 100000 m"},
+      {"speed: 0\npoints: [[0, 0], [1, 0]]\n", "p.yaml:1: speed must be 0.001 to 100, got 0"},
+      {"sped: 1\npoints: [[0, 0], [1, 0]]\n",
+       "p.yaml:1: unknown key 'sped'; the nearest valid key is 'speed'"},
+  };
+  for (const Case& c : cases) {
+    const std::string message = error_of([&] { waypoints_from_text(c.text, "p.yaml"); }, ErrorKind::config);
+    EXPECT_NE(message.find(c.expected), std::string::npos) << message;
+  }
+}
+
+TEST(ScenarioReader, reads_what_is_written) {
+  const Scenario s = scenario_from_text(
+      "map: ../m.yaml\nlocalization_map: n.yaml\npath: /p.yaml\nseed: 18446744073709551615\nscan_rate: 5\n"
+      "lidar:\n  beams: 7\n  angle_min_deg: -90\n  angle_step_deg: 30\n  over_range: code\n  "
+      "over_range_code: 50\n"
+      "  dropout_value: nan\n  mount: [0.1, 0.2, 180]\n"
+      "odometry:\n  form: thrun\n  alpha1: 0.3\n  rate: 10\n  drift_deg_per_m: 1\n",
+      "/a/b/s.yaml");
+  EXPECT_EQ(s.map_path, "/a/m.yaml");
+  EXPECT_EQ(s.localization_map_path, "/a/b/n.yaml");
+  EXPECT_EQ(s.path_file, "/p.yaml");
+  EXPECT_EQ(s.seed, 18446744073709551615u);
+  EXPECT_EQ(s.lidar.beams, 7);
+  EXPECT_DOUBLE_EQ(s.lidar.angle_min_rad, -90.0 * kDeg);
+  EXPECT_DOUBLE_EQ(s.lidar.angle_step_rad, 30.0 * kDeg);
+  EXPECT_EQ(s.lidar.over_range, OverRange::code);
+  EXPECT_EQ(s.lidar.over_range_code_m, 50.0);
+  EXPECT_EQ(s.lidar.dropout_value, DropoutValue::nan);
+  EXPECT_DOUBLE_EQ(s.lidar.T_base_sensor.theta_rad, -std::numbers::pi);
+  EXPECT_EQ(s.odometry.noise.form, MotionForm::thrun);
+  EXPECT_EQ(s.odometry.noise.alpha1, 0.3);
+  EXPECT_DOUBLE_EQ(s.odometry.drift_rad_per_m, kDeg);
+}
+
+TEST(ScenarioReader, reads_several_lidars) {
+  const Scenario s = scenario_from_text(
+      "map: m.yaml\npath: p.yaml\nlidars:\n  - {beams: 7, scan_time: 0.05, stamp_at: middle}\n"
+      "  - beams: 9\n    upside_down: true\n    delay: 0.1\n    mount: [-0.1, 0.2, 90]\n  - {}\n",
+      "s.yaml");
+  EXPECT_EQ(s.lidar.beams, 7);
+  EXPECT_EQ(s.lidar.scan_time_s, 0.05);
+  EXPECT_EQ(s.lidar.stamp_at, StampAt::middle);
+  ASSERT_EQ(s.more_lidars.size(), 2u);
+  EXPECT_EQ(s.more_lidars[0].beams, 9);
+  EXPECT_TRUE(s.more_lidars[0].upside_down);
+  EXPECT_EQ(s.more_lidars[0].delay_s, 0.1);
+  EXPECT_DOUBLE_EQ(s.more_lidars[0].T_base_sensor.theta_rad, 90.0 * kDeg);
+  EXPECT_EQ(s.more_lidars[1].beams, SimulatedLidar{}.beams);
+  const WaypointPath path = waypoints_from_text("points:\n  - [0, 0, 1, -720]\n  - [1, 0]\n", "p.yaml");
+  EXPECT_DOUBLE_EQ(path.points[0].spin_rad, -720.0 * kDeg);
+  EXPECT_EQ(path.points[1].spin_rad, 0.0);
+}
+
+}  // namespace
+}  // namespace parloc
