@@ -23,10 +23,6 @@ SimulatedLog simulate_drive(const TrialPlan& plan, const Scenario& base, const G
   return log;
 }
 
-bool is_right(const TrialPlan& plan, const TrialSample& s) {
-  return s.position_error_m < plan.near_m && s.heading_error_rad < plan.near_rad;
-}
-
 /// The stamp of the first sample from which on it is right for `hold_s`, or to the end if that comes first.
 std::optional<double> right_from(const TrialPlan& plan, const std::vector<TrialSample>& samples,
                                  double since_s) {
@@ -63,17 +59,25 @@ TrialLog simulate_trial(const TrialPlan& plan, const Scenario& scenario, const G
   return log;
 }
 
+bool is_right(const TrialPlan& plan, const TrialSample& s) {
+  return s.position_error_m < plan.near_m && s.heading_error_rad < plan.near_rad;
+}
+
 TrialOutcome judge_trial(const TrialPlan& plan, const std::vector<TrialSample>& samples, double since_s) {
   TrialOutcome outcome;
   const std::optional<double> from = right_from(plan, samples, since_s);
   if (from) outcome.localized_after_s = *from - since_s;
   std::optional<double> wrong_since_s;
-  bool was_lost = false;
-  for (const TrialSample& s : samples) {
+  bool was_lost = plan.task == TrialTask::global;  // before the first scan nobody can know
+  for (std::size_t k = 0; k < samples.size(); ++k) {
+    const TrialSample& s = samples[k];
+    const double lasts_s = k + 1 < samples.size() ? std::max(0.0, samples[k + 1].stamp_s - s.stamp_s) : 0.0;
     const bool right = is_right(plan, s), tracking = s.state == HealthState::tracking;
     const bool lost = s.state == HealthState::lost;
     ++outcome.samples;
     outcome.right += right ? 1 : 0;
+    (right ? outcome.right_s : outcome.wrong_s) += lasts_s;
+    if (tracking && !right) outcome.missed_lost_s += lasts_s;
     if (s.stamp_s >= since_s && !tracking && !outcome.noticed_after_s)
       outcome.noticed_after_s = s.stamp_s - since_s;
     if (right && lost && !was_lost) ++outcome.false_lost;
@@ -89,7 +93,10 @@ TrialOutcome judge_trial(const TrialPlan& plan, const std::vector<TrialSample>& 
     }
     if (!from || s.stamp_s < *from) continue;
     ++outcome.since_localized;
+    outcome.wrong_since += right ? 0 : 1;
     outcome.squared_error_m2 += s.position_error_m * s.position_error_m;
+    if (!std::isfinite(s.nees)) continue;  // a covariance that is none
+    ++outcome.nees_count;
     outcome.nees_sum += s.nees;
   }
   return outcome;

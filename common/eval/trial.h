@@ -51,10 +51,13 @@ struct TrialSample {
   double stamp_s = 0.0;
   double position_error_m = 0.0, heading_error_rad = 0.0;
   double probability = 0.0;  ///< Of being right, as it says.
+  double evidence = 0.0;     ///< What the scans say for it [nat per beam] (HealthMonitor).
+  double share = 0.0;        ///< Of the weight, around the estimate.
   HealthState state = HealthState::lost;
+  bool searched = false;  ///< The whole map was searched in this step.
   double nees = 0.0;
   double particles = 0.0;
-  double step_ms = 0.0;
+  double step_ms = 0.0;  ///< Wall time.
 };
 
 struct TrialOutcome {
@@ -64,9 +67,16 @@ struct TrialOutcome {
   std::size_t confident_wrong = 0;  ///< Samples with `tracking` that are wrong, but in the time of grace.
   double confident_wrong_s = 0.0;   ///< The longest stretch of these.
   std::size_t false_lost = 0;       ///< Times that it turned to `lost` while right.
-  double squared_error_m2 = 0.0, nees_sum = 0.0;  ///< Over the samples since it was localized.
-  std::size_t since_localized = 0;
+  /// A sample stands for the time until the next one. Of the wrong time: that in which it says `tracking`.
+  double right_s = 0.0, wrong_s = 0.0, missed_lost_s = 0.0;
+  /// Over the samples since it was localized.
+  double squared_error_m2 = 0.0, nees_sum = 0.0;
+  std::size_t since_localized = 0, wrong_since = 0;
+  std::size_t nees_count = 0;  ///< Those that have one.
 };
+
+/// Whether the estimate is close enough to the truth. Not if an error is not finite.
+bool is_right(const TrialPlan& plan, const TrialSample& sample);
 
 TrialOutcome judge_trial(const TrialPlan& plan, const std::vector<TrialSample>& samples, double since_s);
 
