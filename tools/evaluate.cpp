@@ -215,7 +215,7 @@ int run(const EvaluateOptions& o, const std::string& typed) {
   write_results(e, map, out.get(), o.samples);
   if (!o.quiet) {
     fmt::print("{}", evaluate::terminal_text(e));
-    if (out) fmt::print("{:<14}{} (beside it: {})\n", "report", out->final_path(kPage), kJson);
+    if (out) fmt::print("{:<18}{} (beside it: {})\n", "report", out->final_path(kPage), kJson);
   }
   return e.interrupted ? kExitInterrupted : 0;
 }

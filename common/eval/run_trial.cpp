@@ -84,6 +84,8 @@ std::optional<TrialResult> run_trial(Localizer& localizer, const TrialPlan& plan
   TrialResult result;
   result.seed = seed;
   result.begun_s = stamps[0];
+  result.hits = log.hits;
+  result.unmapped = log.unmapped;
   const double since_s = plan.task == TrialTask::kidnap ? log.kidnapped_s : stamps[0];
   std::optional<Pose> begin;
   OdometryFeed feed(localizer, log.records);

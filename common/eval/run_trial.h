@@ -19,6 +19,7 @@ struct TrialResult {
   std::vector<TrialSample> samples;  ///< At the scans whose true pose is known.
   TrialOutcome outcome;
   std::size_t searches = 0;
+  std::size_t hits = 0, unmapped = 0;  ///< As the log has them.
 };
 
 /// Runs the trial from its start; nothing of what the localizer did before counts. `keep_going`, if given, is

@@ -44,7 +44,7 @@ std::optional<double> right_from(const TrialPlan& plan, const std::vector<TrialS
 TrialLog simulate_trial(const TrialPlan& plan, const Scenario& scenario, const GridMap& map,
                         const WanderArea& area, std::uint64_t seed) {
   SimulatedLog first = simulate_drive(plan, scenario, map, area, 2 * seed, scenario.odometry.start);
-  TrialLog log{std::move(first.records), std::move(first.truth)};
+  TrialLog log{std::move(first.records), std::move(first.truth), 0.0, first.hits, first.unmapped};
   if (plan.task != TrialTask::kidnap) return log;
   // The robot is put down elsewhere; its odometry and its clock go on.
   const double shift_s = log.truth.back().stamp_s + 1.0 / scenario.scan_rate_hz;
@@ -56,6 +56,8 @@ TrialLog simulate_trial(const TrialPlan& plan, const Scenario& scenario, const G
   }
   for (const StampedPose& pose : second.truth) log.truth.push_back({pose.stamp_s + shift_s, pose.pose});
   log.kidnapped_s = shift_s;
+  log.hits += second.hits;
+  log.unmapped += second.unmapped;
   return log;
 }
 
@@ -78,6 +80,7 @@ TrialOutcome judge_trial(const TrialPlan& plan, const std::vector<TrialSample>& 
     outcome.right += right ? 1 : 0;
     (right ? outcome.right_s : outcome.wrong_s) += lasts_s;
     if (tracking && !right) outcome.missed_lost_s += lasts_s;
+    if (s.stamp_s < since_s) outcome.tracked_before = right && tracking;
     if (s.stamp_s >= since_s && !tracking && !outcome.noticed_after_s)
       outcome.noticed_after_s = s.stamp_s - since_s;
     if (right && lost && !was_lost) ++outcome.false_lost;

@@ -36,9 +36,10 @@ struct TrialPlan {
 
 /// What the robot records, and where it truly is.
 struct TrialLog {
-  std::vector<LogRecord> records;  ///< Scans and odometry in time.
-  Trajectory truth;                ///< At each scan.
-  double kidnapped_s = 0.0;        ///< Stamp of the first scan at the new place; with `kidnap` only.
+  std::vector<LogRecord> records;      ///< Scans and odometry in time.
+  Trajectory truth;                    ///< At each scan.
+  double kidnapped_s = 0.0;            ///< Stamp of the first scan at the new place; with `kidnap` only.
+  std::size_t hits = 0, unmapped = 0;  ///< Simulated: beams that hit, and those of them that hit clutter.
 };
 
 /// Drives at random over `area` (WanderArea) and simulates what the scenario's LiDARs and wheels make of it;
@@ -63,6 +64,7 @@ struct TrialSample {
 struct TrialOutcome {
   std::optional<double> localized_after_s;  ///< From the start, or from the kidnapping.
   std::optional<double> noticed_after_s;    ///< kidnap: until it no longer says `tracking`.
+  bool tracked_before = false;              ///< kidnap: right and `tracking` at the last scan before it.
   std::size_t samples = 0, right = 0;
   std::size_t confident_wrong = 0;  ///< Samples with `tracking` that are wrong, but in the time of grace.
   double confident_wrong_s = 0.0;   ///< The longest stretch of these.

@@ -27,6 +27,7 @@ void add_rates(const TrialPlan& plan, double limit_s, const std::vector<TrialRes
   s.confident_wrong = rate_of(trials, [](const TrialOutcome& o) { return o.confident_wrong > 0; });
   s.confident_wrong_1s = rate_of(trials, [](const TrialOutcome& o) { return o.confident_wrong_s >= 1.0; });
   if (plan.task != TrialTask::kidnap) return;
+  s.tracked_before = rate_of(trials, [](const TrialOutcome& o) { return o.tracked_before; });
   // Stamps are sums of decimals: a last bit must not decide.
   s.noticed = rate_of(trials, [&](const TrialOutcome& o) {
     return o.noticed_after_s && *o.noticed_after_s <= plan.grace_s + 1e-9;
@@ -54,7 +55,7 @@ void add_spreads(const TrialPlan& plan, const std::vector<TrialResult>& trials, 
 void add_errors(const TrialPlan& plan, const std::vector<TrialResult>& trials, TrialSummary& s) {
   std::vector<Forecast> forecasts;
   std::vector<double> nees;
-  double squares_m2 = 0.0, missed_s = 0.0;
+  double squares_m2 = 0.0, missed_s = 0.0, hits = 0.0, unmapped = 0.0;
   std::size_t count = 0;
   for (const TrialResult& t : trials) {
     const TrialOutcome& o = t.outcome;
@@ -63,12 +64,15 @@ void add_errors(const TrialPlan& plan, const std::vector<TrialResult>& trials, T
     s.wrong_s += o.wrong_s;
     s.false_lost += o.false_lost;
     missed_s += o.missed_lost_s;
+    hits += static_cast<double>(t.hits);
+    unmapped += static_cast<double>(t.unmapped);
     squares_m2 += o.squared_error_m2;
     count += o.since_localized;
     if (o.nees_count > 0) nees.push_back(o.nees_sum / static_cast<double>(o.nees_count));
     for (const TrialSample& sample : t.samples)
       forecasts.push_back({sample.probability, is_right(plan, sample)});
   }
+  s.unmapped = hits > 0 ? unmapped / hits : kNan;
   s.driven_s = s.right_s + s.wrong_s;
   s.false_lost_per_hour = s.right_s > 0 ? static_cast<double>(s.false_lost) * 3600.0 / s.right_s : kNan;
   s.missed_lost = s.wrong_s > 0 ? missed_s / s.wrong_s : kNan;

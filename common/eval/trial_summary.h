@@ -28,12 +28,14 @@ MeanInterval mean_interval(const std::vector<double>& values);
 
 struct TrialSummary {
   std::size_t trials = 0, samples = 0;
-  Rate success;      ///< Localized within the limit.
-  Rate localized;    ///< At all.
-  Rate right_after;  ///< Of the localized: never wrong since, to the end of the trial.
+  double unmapped = 0.0;  ///< Share of the simulated hits that are on clutter; NaN for recorded trials.
+  Rate success;           ///< Localized within the limit.
+  Rate localized;         ///< At all.
+  Rate right_after;       ///< Of the localized: never wrong since, to the end of the trial.
   Spread localize_s;
-  Rate noticed;                              ///< kidnap: within the time of grace.
-  Spread notice_s;                           ///< kidnap
+  Rate tracked_before;  ///< kidnap: right and `tracking` until then; only these had something to notice.
+  Rate noticed;         ///< kidnap: within the time of grace.
+  Spread notice_s;      ///< kidnap
   Rate confident_wrong, confident_wrong_1s;  ///< Trials with any such sample, and with 1 s of it or more.
   double driven_s = 0.0, right_s = 0.0, wrong_s = 0.0;
   std::size_t false_lost = 0;

@@ -13,7 +13,8 @@ namespace parloc {
 namespace {
 
 constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
-constexpr auto kTracking = HealthState::tracking, kAmbiguous = HealthState::ambiguous, kLost = HealthState::lost;
+constexpr auto kTracking = HealthState::tracking, kAmbiguous = HealthState::ambiguous,
+               kLost = HealthState::lost;
 
 TrialPlan plan_of(TrialTask task) {
   TrialPlan plan;
@@ -109,7 +110,11 @@ TEST(JudgeTrial, WrongAgainAfterItHeld) {
 
 TEST(JudgeTrial, FlickerToLostIsCountedByTurns) {
   Samples s;
-  s.add(1, 0.1, kTracking).add(0.3, 0.1, kLost).add(1, 0.1, kTracking).add(0.1, 0.1, kLost).add(1, 0.1, kTracking);
+  s.add(1, 0.1, kTracking)
+      .add(0.3, 0.1, kLost)
+      .add(1, 0.1, kTracking)
+      .add(0.1, 0.1, kLost)
+      .add(1, 0.1, kTracking);
   EXPECT_EQ(judge_trial(plan_of(TrialTask::track), s.list(), 100.0).false_lost, 2u);
 }
 
@@ -132,6 +137,7 @@ TEST(JudgeTrial, AKidnappingHasAGraceAndIsNoticed) {
   Samples s;
   s.add(3, 0.1, kTracking).add(1.5, 8.0, kTracking).add(1, 8.0, kLost).add(3, 0.1, kTracking);
   const TrialOutcome o = judge_trial(plan, s.list(), 103.0);
+  EXPECT_TRUE(o.tracked_before);
   EXPECT_EQ(o.confident_wrong, 0u);
   EXPECT_NEAR(o.missed_lost_s, 1.5, 1e-9);
   ASSERT_TRUE(o.noticed_after_s);
@@ -149,6 +155,12 @@ TEST(JudgeTrial, AfterTheGraceAKidnappedRobotMustKnow) {
   EXPECT_NEAR(o.confident_wrong_s, 1.4, 1e-9);
   EXPECT_NEAR(*o.noticed_after_s, 3.5, 1e-9);
   EXPECT_FALSE(o.localized_after_s);
+}
+
+TEST(JudgeTrial, WhoIsLostAlreadyHasNothingToNotice) {
+  Samples s;
+  s.add(2, 0.1, kTracking).add(1, 0.1, kAmbiguous).add(3, 8.0, kLost);
+  EXPECT_FALSE(judge_trial(plan_of(TrialTask::kidnap), s.list(), 103.0).tracked_before);
 }
 
 TEST(JudgeTrial, ACovarianceThatIsNoneDoesNotSpoilTheRest) {

@@ -47,11 +47,13 @@ Json calibration_json(const Calibration& c) {
 Json summary_json(const Evaluation& e) {
   const TrialSummary& s = e.summary;
   Json json{{"trials", s.trials},
+            {"unmapped", s.unmapped},
             {"success", rate_json(s.success)},
             {"localized", rate_json(s.localized)},
             {"right_after", rate_json(s.right_after)},
             {"localize_s", spread_json(s.localize_s)}};
   if (e.plan.task == TrialTask::kidnap) {
+    json["tracked_before"] = rate_json(s.tracked_before);
     json["noticed"] = rate_json(s.noticed);
     json["notice_s"] = spread_json(s.notice_s);
   }
@@ -81,7 +83,10 @@ Json trial_json(const Evaluation& e, const TrialResult& t) {
             {"start", {t.start.x_m, t.start.y_m, t.start.theta_rad}},
             {"success", succeeded(o, e.limit_s)},
             {"localized_after_s", seconds_or_null(o.localized_after_s)}};
-  if (e.plan.task == TrialTask::kidnap) json["noticed_after_s"] = seconds_or_null(o.noticed_after_s);
+  if (e.plan.task == TrialTask::kidnap) {
+    json["tracked_before"] = o.tracked_before;
+    json["noticed_after_s"] = seconds_or_null(o.noticed_after_s);
+  }
   json["samples"] = o.samples;
   json["right"] = o.right;
   json["wrong_since"] = o.wrong_since;

@@ -39,6 +39,12 @@ std::string nees_text(const MeanInterval& n) {
                      n.count, verdict);
 }
 
+std::string missed_text(const TrialSummary& s) {
+  if (s.wrong_s <= 0.0) return "it was never wrong";
+  return fmt::format("it said tracking in {} of the {:.1f} s in which it was wrong", percent(s.missed_lost),
+                     s.wrong_s);
+}
+
 std::string seeds_text(const std::vector<std::uint64_t>& seeds) {
   if (seeds.empty()) return "none";
   std::string text;
@@ -59,23 +65,31 @@ Lines result_lines(const Evaluation& e) {
   const TrialSummary& s = e.summary;
   Lines lines{{"success", fmt::format("{}: right within {:g} s, and for {:g} s from there",
                                       rate_text(s.success), e.limit_s, e.plan.hold_s)}};
-  lines.emplace_back(
-      "time to it", spread_text(s.localize_s, "s", 1) +
-                        fmt::format(" ({} of {} trials that came to it at all)", s.localized.hits, s.trials));
-  lines.emplace_back("right after", rate_text(s.right_after) + ": of these, never wrong again");
-  if (e.plan.task == TrialTask::kidnap) {
-    lines.emplace_back("noticed", rate_text(s.noticed) + fmt::format(" within {:g} s", e.plan.grace_s));
-    lines.emplace_back("time to that", spread_text(s.notice_s, "s", 1));
+  if (s.localized.hits == 0) {
+    lines.emplace_back("localized after", "never, in any trial");
+  } else {
+    lines.emplace_back("localized after",
+                       fmt::format("{} ({} of {} trials ever were)", spread_text(s.localize_s, "s", 1),
+                                   s.localized.hits, s.trials));
+    lines.emplace_back("right ever since", rate_text(s.right_after) + ": of these, never wrong to the end");
   }
-  lines.emplace_back("sure, wrong", rate_text(s.confident_wrong) + ": trials that say tracking while wrong");
-  lines.emplace_back("... for 1 s", rate_text(s.confident_wrong_1s));
+  if (e.plan.task == TrialTask::kidnap) {
+    lines.emplace_back("tracked before",
+                       rate_text(s.tracked_before) + ": right and tracking when it was kidnapped");
+    lines.emplace_back("noticed", rate_text(s.noticed) + fmt::format(" within {:g} s", e.plan.grace_s));
+    lines.emplace_back("noticed after", spread_text(s.notice_s, "s", 1));
+  }
+  lines.emplace_back("sure but wrong",
+                     rate_text(s.confident_wrong) + ": trials that say tracking while wrong");
+  lines.emplace_back("... for 1 s on", rate_text(s.confident_wrong_1s));
   lines.emplace_back("false lost",
                      fmt::format("{} in {:.2f} h of driving while right: {} per hour", s.false_lost,
                                  s.right_s / 3600.0, number(s.false_lost_per_hour, 1)));
-  lines.emplace_back("missed lost", fmt::format("{} of {:.1f} s in which it was wrong, it said tracking",
-                                                percent(s.missed_lost), s.wrong_s));
-  lines.emplace_back("error", fmt::format("{} m RMSE since it was localized", number(s.rmse_m, 4)));
-  lines.emplace_back("NEES", nees_text(s.nees));
+  lines.emplace_back("missed lost", missed_text(s));
+  if (s.localized.hits > 0) {
+    lines.emplace_back("error", fmt::format("{} m RMSE since it was localized", number(s.rmse_m, 4)));
+    lines.emplace_back("NEES", nees_text(s.nees));
+  }
   lines.emplace_back("probability",
                      fmt::format("Brier {}, AUC {} over {} scans", number(s.calibration.brier, 4),
                                  number(s.calibration.auc, 4), s.samples));
@@ -106,6 +120,9 @@ Lines origin_lines(const Evaluation& e) {
     amount += fmt::format(", {:g} s{}", e.plan.duration_s, e.plan.task == TrialTask::kidnap ? " twice" : "");
   if (e.interrupted) amount += fmt::format("; interrupted, {} were wanted", e.wanted);
   lines.emplace_back("amount", amount);
+  if (e.summary.unmapped > 0.0)
+    lines.emplace_back("clutter", percent(e.summary.unmapped) +
+                                      " of the hits are on people and boxes that are not on the map");
   lines.emplace_back("right", fmt::format("within {:g} m and {:.0f} degrees of the truth", e.plan.near_m,
                                           e.plan.near_rad * 180.0 / 3.14159265358979));
   if (e.plan.duration_s > 0.0 && e.plan.duration_s < e.limit_s + e.plan.hold_s - 1e-9)
@@ -135,7 +152,7 @@ std::string terminal_text(const Evaluation& e) {
   std::string text;
   const auto print = [&](const Lines& lines) {
     for (const auto& [name, value] : lines)
-      fmt::format_to(std::back_inserter(text), "{:<14}{}\n", name, value);
+      fmt::format_to(std::back_inserter(text), "{:<18}{}\n", name, value);
   };
   print(origin_lines(e));
   text += "\n";

@@ -132,7 +132,8 @@ std::string map_figure(const Evaluation& e, const GridMap& map) {
   return html + "</div></figure>\n";
 }
 
-constexpr const char* kStyle = ".came{stroke-width:5px}.failed{stroke-width:10px}";
+constexpr const char* kStyle =
+    ".came{stroke-width:7px}.failed{stroke-width:10px}th{width:22%}table.numbers th{width:auto}";
 
 }  // namespace
 
