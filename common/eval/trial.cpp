@@ -9,11 +9,29 @@
 namespace parloc {
 namespace {
 
+double length_m(const WaypointPath& path) {
+  double sum_m = 0.0;
+  for (std::size_t k = 1; k < path.points.size(); ++k) {
+    const double dx = path.points[k].x_m - path.points[k - 1].x_m;
+    const double dy = path.points[k].y_m - path.points[k - 1].y_m;
+    sum_m += std::sqrt(dx * dx + dy * dy);
+  }
+  return sum_m;
+}
+
+/// Boxes stand along a path: a shorter one has fewer of them, as dense as the scenario has them on its own.
+int boxes_along(const WaypointPath& path, const Scenario& base) {
+  const double own_m = length_m(base.path);
+  if (!(own_m > 0.0)) return base.clutter.boxes;
+  return static_cast<int>(std::lround(base.clutter.boxes * length_m(path) / own_m));
+}
+
 /// A drive of one seed of the plan, its log and truth.
 SimulatedLog simulate_drive(const TrialPlan& plan, const Scenario& base, const GridMap& map,
                             const WanderArea& area, std::uint64_t seed, const Pose& odometry_start) {
   Scenario scenario = base;
   scenario.path = area.wander(plan.duration_s, plan.speed_mps, plan.turn_rate_rad_s, seed);
+  scenario.clutter.boxes = boxes_along(scenario.path, base);
   scenario.seed = seed;
   scenario.odometry.start = odometry_start;
   SimulatedLog log = simulate(scenario, map, [&](double) { return true; });

@@ -43,7 +43,8 @@ struct TrialLog {
 };
 
 /// Drives at random over `area` (WanderArea) and simulates what the scenario's LiDARs and wheels make of it;
-/// the scenario's own path, map and seed are not used. Equal seeds give equal trials on every machine.
+/// the scenario's own path, map and seed are not used, but that boxes stand as dense as along that path.
+/// Equal seeds give equal trials on every machine.
 TrialLog simulate_trial(const TrialPlan& plan, const Scenario& scenario, const GridMap& map,
                         const WanderArea& area, std::uint64_t seed);
 

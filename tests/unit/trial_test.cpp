@@ -7,6 +7,7 @@
 #include "common/error.h"
 #include "common/eval/run_trial.h"
 #include "common/eval/trial_summary.h"
+#include "common/map/map_reader.h"
 #include "tests/unit/small_drive.h"
 
 namespace parloc {
@@ -256,6 +257,30 @@ TEST(Summarise, OfNothingIsNoNumber) {
   EXPECT_TRUE(std::isnan(s.rmse_m));
   EXPECT_TRUE(std::isnan(s.false_lost_per_hour));
   EXPECT_TRUE(s.failed.empty());
+}
+
+/// The share of clutter in a trial of a scenario whose own path is so long.
+double unmapped_share(double path_m) {
+  const GridMap map = read_map("maps/office.yaml");
+  Scenario scenario;
+  scenario.path.points = {{0.0, 0.0, 0.0, 0.0}, {path_m, 0.0, 0.0, 0.0}};
+  scenario.clutter.boxes = 60;
+  TrialPlan plan;
+  plan.duration_s = 10.0;
+  double hits = 0.0, unmapped = 0.0;
+  const WanderArea area(map, 0.3);
+  for (std::uint64_t seed = 1; seed <= 3; ++seed) {
+    const TrialLog log = simulate_trial(plan, scenario, map, area, seed);
+    hits += static_cast<double>(log.hits);
+    unmapped += static_cast<double>(log.unmapped);
+  }
+  return unmapped / hits;
+}
+
+// 60 boxes along 10 m fill the view; along 1 km hardly one stands beside a drive of a few metres.
+TEST(SimulateTrial, BoxesAreAsDenseAsInTheScenario) {
+  EXPECT_GT(unmapped_share(10.0), 0.3);
+  EXPECT_LT(unmapped_share(1000.0), 0.1);
 }
 
 LocalizerConfig small_config() {
