@@ -133,7 +133,8 @@ std::string map_figure(const Evaluation& e, const GridMap& map) {
 }
 
 constexpr const char* kStyle =
-    ".came{stroke-width:7px}.failed{stroke-width:10px}th{width:22%;overflow-wrap:normal}table.numbers th{width:auto}";
+    ".came{stroke-width:7px}.failed{stroke-width:10px}th{width:22%;overflow-wrap:normal}table.numbers "
+    "th{width:auto}";
 
 }  // namespace
 
