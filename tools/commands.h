@@ -27,6 +27,8 @@ Command add_map_command(CLI::App& program);
 Command add_config_command(CLI::App& program);
 /// `typed` is the whole command line, for the results.
 Command add_bench_command(CLI::App& program, const std::string& typed);
+/// `typed` is the whole command line, for the results.
+Command add_evaluate_command(CLI::App& program, const std::string& typed);
 Command add_devices_command(CLI::App& program);
 
 /// Exit code of a search that found no place on the map; no error.
