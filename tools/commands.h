@@ -29,7 +29,8 @@ Command add_config_command(CLI::App& program);
 Command add_bench_command(CLI::App& program, const std::string& typed);
 Command add_devices_command(CLI::App& program);
 
-/// Exit code of a search that found no place on the map; no error.
+/// Exit code of a search that found no place on the map, and of a strict run that does not know its place at
+/// the end; no error.
 inline constexpr int kExitNotFound = 7;
 
 /// Exit code of a run that was interrupted and wrote what it had: 128 + SIGINT, as shells have it.
