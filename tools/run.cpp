@@ -45,11 +45,10 @@ void declare(CLI::App& app, RunOptions& o) {
   add_text_option(app, "--truth", o.truth, "T.tum", "True trajectory, TUM format");
   add_text_option(app, "--relations", o.relations, "R.txt", "True relations between scans");
   add_text_option(app, "--config", o.config, "C.yaml", "Settings over the defaults");
-  add_text_option(app, "--init", o.init, "START",
-                  "x,y,theta[,sx,sy,st] (m, rad), again for each candidate; or global; else truth")
+  add_text_option(app, "--init", o.init, "START", "x,y,theta[,sx,sy,st] (again: or there), or global")
       ->allow_extra_args(false);
-  add_text_option(app, "--near", o.near, "X,Y,R", "With --init global: only within R of (X, Y) [m]");
-  add_text_option(app, "--heading", o.heading, "A,T", "And only headings from A - T to A + T [rad]");
+  add_text_option(app, "--near", o.near, "X,Y,R", "--init global within R of (X, Y) [m] only");
+  add_text_option(app, "--heading", o.heading, "A,T", "... and headings from A - T to A + T only [rad]");
   add_text_option(app, "--out", o.out, "DIR", "Folder for the results (parloc_out)");
   add_text_option(app, "--backend", o.backend, "WHICH", "auto, cpu or cuda");
   add_text_option(app, "--device", o.device, "D", "CUDA device, as parloc devices lists them");
@@ -58,7 +57,7 @@ void declare(CLI::App& app, RunOptions& o) {
   add_text_option(app, "--seed", o.seed, "S", "Same seed, same answer");
   add_text_option(app, "--threads", o.threads, "K", "CPU threads; 0: all cores");
   app.add_flag("--odometry-only", o.odometry_only, "Move the particles, use no scan");
-  app.add_flag("--strict", o.strict, "A broken line or beam ends the run; an end in doubt is exit code 7");
+  app.add_flag("--strict", o.strict, "Broken data end the run; a doubt at its end is code 7");
   app.add_flag("--json", o.json, "Print the metrics alone, as JSON");
   app.add_flag("--quiet", o.quiet, "No progress and no summary");
 }
