@@ -73,12 +73,12 @@ Plot health_plot(const RunReport& report, const std::vector<double>& stamps) {
                            return s.health ? s.health->probability : unknown;
                          })});
   plot.levels.push_back({"certain", "c6", 1.0});
-  const auto mark = [&](const char* label, const char* colour, HealthState state) {
+  const auto mark = [&](const char* label, const char* colour, HealthState state, int row) {
     const auto is_it = [&](auto& s) { return s.health && s.health->state == state; };
-    plot.marks.push_back({label, colour, stamps_when(report.steps, is_it)});
+    plot.marks.push_back({label, colour, stamps_when(report.steps, is_it), row});
   };
-  mark("ambiguous", "c3", HealthState::ambiguous);
-  mark("lost", "c5", HealthState::lost);
+  mark("ambiguous", "c3", HealthState::ambiguous, 1);
+  mark("lost", "c5", HealthState::lost, 2);
   plot.marks.push_back({"searched", "c2", stamps_when(report.steps, [](auto& s) { return s.searched; })});
   return plot;
 }
