@@ -31,7 +31,8 @@ Command add_bench_command(CLI::App& program, const std::string& typed);
 Command add_evaluate_command(CLI::App& program, const std::string& typed);
 Command add_devices_command(CLI::App& program);
 
-/// Exit code of a search that found no place on the map; no error.
+/// Exit code of a search that found no place on the map, and of a strict run that does not know its place at
+/// the end; no error.
 inline constexpr int kExitNotFound = 7;
 
 /// Exit code of a run that was interrupted and wrote what it had: 128 + SIGINT, as shells have it.

@@ -3,7 +3,6 @@
 
 #include <CLI/CLI.hpp>
 #include <algorithm>
-#include <charconv>
 #include <chrono>
 #include <cmath>
 #include <cstdio>
@@ -24,6 +23,7 @@
 #include "tools/load_map.h"
 #include "tools/output_folder.h"
 #include "tools/parse_number.h"
+#include "tools/search_prior.h"
 #include "tools/text_option.h"
 
 namespace parloc::tools {
@@ -46,7 +46,7 @@ void declare(CLI::App& app, LocateOptions& o) {
   add_text_option(app, "--at", o.at, "S", "Its first scan from S seconds after the first one (0)");
   add_text_option(app, "--scan-number", o.number, "N", "Or its Nth scan, from 1");
   add_text_option(app, "--scan", o.scan, "S.yaml", "Or one scan from a YAML file");
-  add_text_option(app, "--config", o.config, "C.yaml", "Settings of scan, lidars and backend");
+  add_text_option(app, "--config", o.config, "C.yaml", "Settings of scan, lidars, search and backend");
   add_text_option(app, "--near", o.near, "X,Y,R", "Only within R of (X, Y) [m]");
   add_text_option(app, "--heading", o.heading, "A,T", "Only headings from A - T to A + T [rad]");
   add_text_option(app, "--top", o.top, "K", "Print at most K places (10)");
@@ -85,7 +85,7 @@ FilterConfig effective_config(const LocateOptions& o) {
 }
 
 SearchConfig search_config(const LocateOptions& o, const FilterConfig& config) {
-  SearchConfig c;
+  SearchConfig c = config.search;
   c.backend = config.backend, c.device = config.device, c.threads = config.threads;
   if (!o.top.empty()) {
     c.most = parse_whole_number<int>("--top", o.top);
@@ -94,34 +94,6 @@ SearchConfig search_config(const LocateOptions& o, const FilterConfig& config) {
                   fmt::format("--top: expected a whole number from 1 to {}, got '{}'", c.candidates, o.top));
   }
   return c;
-}
-
-/// "a,b,c" as exactly `count` numbers.
-std::vector<double> parse_list(const char* option, const std::string& text, std::size_t count) {
-  std::vector<double> numbers;
-  for (std::size_t from = 0;;) {
-    const std::size_t comma = text.find(',', from);
-    numbers.push_back(parse_number(option, text.substr(from, comma - from), -1e9, 1e9));
-    if (comma == std::string::npos) break;
-    from = comma + 1;
-  }
-  if (numbers.size() != count || numbers.back() < 0.0)
-    throw Error(ErrorKind::usage,
-                fmt::format("{}: expected {} numbers, the last not negative, got '{}'", option, count, text));
-  return numbers;
-}
-
-SearchPrior prior_of(const LocateOptions& o) {
-  SearchPrior prior;
-  if (!o.near.empty()) {
-    const std::vector<double> v = parse_list("--near", o.near, 3);
-    prior.region = {{v[0], v[1], v[2]}};
-  }
-  if (!o.heading.empty()) {
-    const std::vector<double> v = parse_list("--heading", o.heading, 2);
-    prior.heading = {{v[0], v[1]}};
-  }
-  return prior;
 }
 
 struct ChosenScan {
@@ -236,7 +208,7 @@ int locate(const LocateOptions& o) {
   // Everything that can be wrong is looked at before the long work.
   const FilterConfig config = effective_config(o);
   const SearchConfig searching = search_config(o, config);
-  const SearchPrior prior = prior_of(o);
+  const SearchPrior prior = parse_search_prior(o.near, o.heading);
   const GridMap map = load_map(o.map).map;
   const ChosenScan chosen = choose_scan(o);
   std::unique_ptr<OutputFolder> out;

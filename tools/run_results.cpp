@@ -12,6 +12,7 @@
 #include <vector>
 
 #include "common/filter/config_fields.h"
+#include "tools/run_health.h"
 
 namespace parloc::tools {
 namespace {
@@ -116,6 +117,27 @@ std::vector<std::pair<const char*, std::size_t>> rejected(const BeamCounts& beam
           {"negative", beams.negative},
           {"zero", beams.zero},
           {"below_min", beams.below_min}};
+}
+
+/// Null for a run that was not judged.
+Json health_json(const std::optional<RunHealth>& h) {
+  if (!h) return nullptr;
+  const auto share = [&](std::size_t count) {
+    return static_cast<double>(count) / static_cast<double>(h->scans);
+  };
+  Json modes = Json::array();
+  for (const Mode& m : h->modes)
+    modes.push_back(
+        {{"x_m", m.pose.x_m}, {"y_m", m.pose.y_m}, {"theta_rad", m.pose.theta_rad}, {"weight", m.weight}});
+  return {{"share_tracking", share(h->tracking)},
+          {"share_ambiguous", share(h->ambiguous)},
+          {"share_lost", share(h->lost)},
+          {"searches", h->searches},
+          {"turned_lost_s", h->lost_s},
+          {"end_state", name_of(h->last.state)},
+          {"end_probability", h->last.probability},
+          {"end_evidence", h->last.evidence},
+          {"end_modes", std::move(modes)}};
 }
 
 Json lidar_json(const LidarUse& lidar) {
@@ -263,6 +285,8 @@ std::vector<Fact> main_facts(const RunResults& results) {
   if (results.errors && results.errors->without_truth > 0) {
     facts.push_back({"no truth for", fmt::format("{} scans", results.errors->without_truth)});
   }
+  if (const std::optional<RunHealth> health = run_health(run))
+    facts.push_back({"health", health_text(*health)});
   if (results.relations && results.relations->compared > 0) {
     facts.push_back({"relation error", relations_text(*results.relations)});
   }
@@ -328,6 +352,7 @@ std::string metrics_json(const RunResults& results) {
   json["nees"] = nees_json(results.consistency);
   json["odometry_only"] = run.odometry_only;
   json["odometry"] = odometry_json(results.odometry_errors);
+  json["health"] = health_json(run_health(run));
   json["relations"] = relations_json(results.relations);
   json["steps"] = run.filter_steps;
   json["scans"] = run.scans;
@@ -370,6 +395,7 @@ RunReport run_report(const RunResults& results, const GridMap& map) {
   report.summary = main_facts(results);
   report.details = {map_facts(results, map), config_facts(run.config)};
   report.warnings = warning_lines(run);
+  if (const std::string doubt = doubt_at_end(run); !doubt.empty()) report.summary.push_back({"end", doubt});
   report.map = &map;
   report.estimate = run.trajectory;
   if (!results.truth.empty()) report.truth = results.truth;

@@ -1,4 +1,5 @@
-// Every setting of the particle filter, with its default. The only place where a default is written.
+// Every setting of the particle filter, with its default. The only place where a default is written, but for
+// those of the search (common/search/search_config.h).
 // common/io/config.h reads and prints these as YAML; common/filter/config_fields.h lists their names and
 // limits.
 #pragma once
@@ -7,6 +8,9 @@
 #include <optional>
 #include <string>
 #include <vector>
+
+#include "common/filter/backend_choice.h"
+#include "common/search/search_config.h"
 
 namespace parloc {
 
@@ -130,7 +134,12 @@ struct EstimateConfig {
   EstimateMode mode = EstimateMode::cluster;  ///< The whole set's mean, or that of its heaviest cluster.
 };
 
-enum class BackendChoice { automatic, cpu, cuda };
+/// What surrounds the filter (common/localize/localizer.h); the filter itself knows nothing of it.
+struct LocalizeConfig {
+  bool health = true;  ///< Judge every estimate. Without it there is no search either.
+  bool recover =
+      true;  ///< Search the map when lost, and for rivals while it is not sure. Else it only says so.
+};
 
 struct FilterConfig {
   std::int64_t particles = 2000;   ///< 1 to 16,777,216.
@@ -151,6 +160,8 @@ struct FilterConfig {
   KldConfig kld;
   RecoveryConfig recovery;
   EstimateConfig estimate;
+  LocalizeConfig localize;
+  SearchConfig search;              ///< Its backend, threads and device are those above.
   std::vector<LidarConfig> lidars;  ///< May be empty; in no order.
 
   std::int64_t most_particles() const { return max_particles > 0 ? max_particles : particles; }

@@ -47,7 +47,7 @@ inline constexpr FieldGroup kLidars{
     "lidars",
     "What the log does not say of a LiDAR, or says wrongly: an entry for each, by its name in the log."};
 
-inline constexpr std::array<FieldGroup, 7> kFieldGroups{{
+inline constexpr std::array<FieldGroup, 9> kFieldGroups{{
     {"motion", "How the robot moves: odometry motion model."},
     {"scan", "Which beams of a scan are used, and what their values mean."},
     {"sensor", "How well a scan fits the map at a pose. Each model uses the keys it knows."},
@@ -55,6 +55,8 @@ inline constexpr std::array<FieldGroup, 7> kFieldGroups{{
     {"kld", "How many particles are enough, where min_particles is below max_particles (KLD-sampling)."},
     {"recovery", "What helps a filter that has lost its robot. Off by default."},
     {"estimate", "Which pose is reported."},
+    {"localize", "What watches the filter, and what is done when it is lost (docs/localize.md)."},
+    {"search", "The search of the whole map (docs/locate.md)."},
 }};
 
 inline constexpr std::array<Choice<BackendChoice>, 3> kBackends{
@@ -216,6 +218,17 @@ void visit_fields(Config& c, Visitor&& visit) {
 
   visit(Field{"estimate", "mode", "The mean of all particles, or of their heaviest cluster"}, c.estimate.mode,
         kEstimateModes);
+
+  visit(Field{"localize", "health", "Say how sure the pose is; false: the bare filter, without any search"},
+        c.localize.health);
+  visit(Field{"localize", "recover", "Search the map when lost; false: only say so"}, c.localize.recover);
+
+  visit(Field{"search", "cell_m", "Finer cells of the map are put together to such [m]"}, c.search.cell_m,
+        Real{0, 10, true});
+  visit(Field{"search", "beams", "Hits that the exhaustive part looks at"}, c.search.beams, Int{1, 256});
+  visit(Field{"search", "least_score", "How close hits end to walls, 0 to 1: below it a place is none"},
+        c.search.least_score, Real{0, 1});
+  visit(Field{"search", "candidates", "Places that rays are cast for"}, c.search.candidates, Int{10, 10000});
 }
 
 /// The same for one LiDAR's settings, most of which are optional: (Field, optional<number>&, Limits<number>),

@@ -9,14 +9,15 @@
 #include <vector>
 
 #include "common/filter/config.h"
-#include "common/filter/start.h"
+#include "common/filter/pose_guess.h"
 #include "common/io/log.h"
 #include "common/map/grid_map.h"
 #include "common/math/pose.h"
 #include "common/model/beam_counts.h"
-#include "common/model/beams.h"
 
 namespace parloc {
+
+struct BeamTable;
 
 /// 3x3 covariance of (x, y, theta), row-major, symmetric [m^2, m rad, rad^2].
 struct Covariance {

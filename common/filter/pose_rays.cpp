@@ -20,7 +20,8 @@ PoseRays::PoseRays(const GridMap& map, bool unknown_blocks) {
 void PoseRays::cast(const BeamTable& beams, const Pose& pose, std::vector<float>& expected_m) const {
   float x = static_cast<float>(pose.x_m), y = static_cast<float>(pose.y_m);
   float theta = static_cast<float>(pose.theta_rad);
-  const RayTraceArgs rays = bind_rays({&x, &y, &theta, nullptr, nullptr, 1}, map_, bind_beams(beams), SensorConfig{});
+  const RayTraceArgs rays =
+      bind_rays({&x, &y, &theta, nullptr, nullptr, 1}, map_, bind_beams(beams), SensorConfig{});
   const RayOrigin origin = ray_origin(rays, 0);
   expected_m.resize(beams.count);
   for (std::size_t m = 0; m < beams.count; ++m) expected_m[m] = trace_beam(rays, origin, m);

@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "common/filter/backend.h"
+#include "common/filter/pose_guess.h"
 #include "common/map/grid_map.h"
 
 namespace parloc {
@@ -13,13 +14,6 @@ namespace parloc {
 /// map's axes.
 ParticleSet gaussian_start(const GridMap& map, const Pose& pose_in_map, double sigma_x_m, double sigma_y_m,
                            double sigma_theta_rad, std::int64_t particles, std::uint64_t seed);
-
-/// A place where the robot may be, in the map frame, with its spread and how much speaks for it.
-struct PoseGuess {
-  Pose pose;
-  double sigma_xy_m = 0.0, sigma_theta_rad = 0.0;
-  double weight = 1.0;  ///< Relative to the others; above 0.
-};
 
 /// Gaussians about several guesses, each with its share of the particles. `step` tells draws of one run
 /// apart.

@@ -9,6 +9,7 @@
 #include "common/eval/metrics.h"
 #include "common/filter/particle_filter.h"
 #include "common/io/trajectory.h"
+#include "common/localize/health.h"
 #include "common/map/grid_map.h"
 #include "common/math/pose.h"
 
@@ -35,9 +36,11 @@ struct StepRecord {
   double sigma_x_m = 0.0, sigma_y_m = 0.0, sigma_theta_rad = 0.0;  ///< Of the estimate's covariance.
   double step_ms = 0.0;                                            ///< Wall time of the step.
   bool resampled = false;
-  bool lost = false;
-  double particles = 0.0;   ///< That were weighed.
-  double p_injected = 0.0;  ///< Share of the next ones that is drawn from free space.
+  bool lost = false;               ///< Every particle had weight zero.
+  double particles = 0.0;          ///< That were weighed.
+  double p_injected = 0.0;         ///< Share of the next ones that is drawn from free space.
+  std::optional<Health> health{};  ///< Where it is judged.
+  bool searched = false;           ///< The map was searched at this step.
 };
 
 /// A line of one of the report's tables. Both are plain text: the writer escapes them.

@@ -11,7 +11,7 @@ constexpr double kMemory_s = 0.4;  // of the running mean
 /// fits.
 constexpr double kOffset = -3.0, kSlope = 6.0;
 
-constexpr double kLost = 0.25, kFound = 0.5;  // apart, so that it does not flicker
+constexpr double kLost = 0.05, kFound = 0.5;  // apart, so that it does not flicker
 constexpr double kOnePlace = 0.8;             // share of the weight that is one place
 
 }  // namespace

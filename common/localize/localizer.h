@@ -17,10 +17,14 @@ namespace parloc {
 struct LocalizerConfig {
   FilterConfig filter;
   SearchConfig search;
-  bool recover = true;          ///< Search again when lost. Else it only says so.
+  bool recover = true;          ///< Search the map after the start. Else it only says how sure it is.
+  double search_after_s = 1.0;  ///< Lost for so long: fewer bad scans pass by themselves.
   double search_every_s = 0.5;  ///< Between two searches at least, and while it is not lost also ...
   double search_every_m = 0.3, search_every_rad = 0.3;  ///< ... this much of driving or turning.
 };
+
+/// As a configuration file has it: its search and localize settings, the search on the filter's backend.
+LocalizerConfig localizer_config(const FilterConfig& config);
 
 /// What a localizer says after a scan.
 struct LocalizerEstimate {
@@ -41,7 +45,8 @@ class Localizer {
   Localizer(Localizer&&) noexcept;
   Localizer& operator=(Localizer&&) noexcept;
 
-  /// The start is known, about: one place, or several that are possible.
+  /// The start is known, about: as ParticleFilter, or several places that are possible.
+  void start_at(const Pose& pose_in_map, double sigma_x_m, double sigma_y_m, double sigma_theta_rad);
   void start_at(const std::vector<PoseGuess>& guesses);
   /// It is not: the first scan decides. What is known beforehand restricts this and every later search.
   void start_anywhere(const SearchPrior& prior = {});

@@ -166,9 +166,8 @@ namespace {
 /// The most likely first, those too close to a better one left out, weights as shares of what is left.
 std::vector<Hypothesis> rank(std::vector<Hypothesis> all, const Separation& separation,
                              double effective_beams) {
-  std::stable_sort(all.begin(), all.end(), [](const Hypothesis& a, const Hypothesis& b) {
-    return a.evidence > b.evidence;
-  });
+  std::stable_sort(all.begin(), all.end(),
+                   [](const Hypothesis& a, const Hypothesis& b) { return a.evidence > b.evidence; });
   std::vector<Hypothesis> kept;
   double total = 0.0;
   for (Hypothesis& h : all) {

@@ -12,6 +12,7 @@ namespace {
 constexpr std::int64_t kPlaces = 2048;     // rays that chance is learnt from
 constexpr std::uint64_t kPlacesSeed = 17;  // any will do
 constexpr std::size_t kBins = 256;
+constexpr std::size_t kMostChances = 16;  // LiDARs of different reach, remembered at the same time
 
 /// A beam mixture of its own, whatever the filter's model is: the outcome is compared with what was
 /// calibrated for it (common/localize/health.h). With much room for what is not on the map: people in front
@@ -53,7 +54,7 @@ ScanEvidence::ScanEvidence(const GridMap& map) : rays_(map) {
   anywhere_heading_rad_ = std::move(anywhere.theta);
 }
 
-void ScanEvidence::learn_chance(float range_max_m) {
+ScanEvidence::Chance ScanEvidence::learn_chance(float range_max_m) {
   const Beam beam(range_max_m);
   std::vector<double> hit(kBins, 0.0);
   double miss = 0.0;
@@ -69,23 +70,30 @@ void ScanEvidence::learn_chance(float range_max_m) {
   const auto log_mean = [&](double sum) {
     return portable_log(static_cast<float>(sum / static_cast<double>(anywhere_x_m_.size())));
   };
-  chance_of_hit_.resize(kBins);
-  std::transform(hit.begin(), hit.end(), chance_of_hit_.begin(), log_mean);
-  chance_of_miss_ = log_mean(miss);
-  range_max_m_ = range_max_m;
+  Chance chance{range_max_m, std::vector<float>(kBins), log_mean(miss)};
+  std::transform(hit.begin(), hit.end(), chance.log_hit.begin(), log_mean);
+  return chance;
+}
+
+const ScanEvidence::Chance& ScanEvidence::chance_for(float range_max_m) {
+  for (const Chance& known : chances_)
+    if (known.range_max_m == range_max_m) return known;
+  if (chances_.size() == kMostChances) chances_.erase(chances_.begin());
+  chances_.push_back(learn_chance(range_max_m));
+  return chances_.back();
 }
 
 double ScanEvidence::per_beam(const BeamTable& beams, const Pose& pose_in_grid) {
   if (beams.count == 0) return 0.0;
-  if (beams.range_max_m != range_max_m_) learn_chance(beams.range_max_m);
+  const Chance& chance = chance_for(beams.range_max_m);
   rays_.cast(beams, pose_in_grid, expected_m_);
-  const Beam beam(range_max_m_);
+  const Beam beam(chance.range_max_m);
   double sum = 0.0;
   for (std::size_t m = 0; m < beams.count; ++m) {
     const float measured_m = beams.range_m[m], expected_m = expected_m_[m];
     sum += static_cast<double>(m < beams.hits ? beam.log_hit(measured_m, expected_m) -
-                                                    chance_of_hit_[bin_of(measured_m, range_max_m_)]
-                                              : beam.log_miss(expected_m) - chance_of_miss_);
+                                                    chance.log_hit[bin_of(measured_m, chance.range_max_m)]
+                                              : beam.log_miss(expected_m) - chance.log_miss);
   }
   return sum / static_cast<double>(beams.count);
 }

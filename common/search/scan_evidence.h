@@ -26,14 +26,19 @@ class ScanEvidence {
   const std::vector<float>& expected_m() const { return expected_m_; }
 
  private:
-  void learn_chance(float range_max_m);
+  /// What a beam says anywhere on the map, with LiDARs that reach so far.
+  struct Chance {
+    float range_max_m = 0.0f;
+    std::vector<float> log_hit;  // log density by range, in equal bins up to range_max_m
+    float log_miss = 0.0f;       // log probability
+  };
+  Chance learn_chance(float range_max_m);
+  const Chance& chance_for(float range_max_m);
 
   PoseRays rays_;
   std::vector<float> anywhere_x_m_, anywhere_y_m_, anywhere_heading_rad_;  // random poses on free cells
-  float range_max_m_ = 0.0f;                                               // that the chance is known for
-  std::vector<float> chance_of_hit_;  // log density by range, in equal bins up to range_max_m_
-  float chance_of_miss_ = 0.0f;       // log probability
-  std::vector<float> expected_m_;     // of the scan at hand
+  std::vector<Chance> chances_;                                            // the newest last
+  std::vector<float> expected_m_;                                          // of the scan at hand
 };
 
 }  // namespace parloc

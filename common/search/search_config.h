@@ -3,8 +3,7 @@
 
 #include <optional>
 
-#include "common/filter/config.h"
-#include "common/math/pose.h"
+#include "common/filter/backend_choice.h"
 
 namespace parloc {
 

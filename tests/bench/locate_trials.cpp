@@ -236,8 +236,8 @@ int run(const Options& o) {
         fmt::print(
             "   {:.2f} {:.2f} {:.3f} score {:.3f} explained {:.3f} through {:.3f} unmapped {:.3f} ll {:.3f} "
             "w {:.3f}\n",
-            h.pose.x_m, h.pose.y_m, h.pose.theta_rad, h.score, h.explained, h.through, h.unmapped,
-            h.evidence, h.weight);
+            h.pose.x_m, h.pose.y_m, h.pose.theta_rad, h.score, h.explained, h.through, h.unmapped, h.evidence,
+            h.weight);
     }
   }
   if (tally.trials == 0) throw Error(ErrorKind::input, "no trial: the log and the truth do not overlap");
