@@ -8,6 +8,7 @@
 #include "common/io/config.h"
 #include "common/io/log.h"
 #include "common/io/trajectory.h"
+#include "common/localize/localizer.h"
 #include "common/map/grid_map.h"
 #include "common/map/map_reader.h"
 #include "common/math/pose.h"

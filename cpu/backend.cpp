@@ -3,11 +3,13 @@
 #include <fmt/format.h>
 #include <omp.h>
 
+#include <algorithm>
 #include <fstream>
 
 #include "common/filter/bind.h"
 #include "common/filter/bins.h"
 #include "common/filter/judge.h"
+#include "common/filter/start.h"
 #include "common/map/blocking_cells.h"
 #include "common/map/skip_field.h"
 #include "common/map/wall_index.h"
@@ -18,9 +20,11 @@
 namespace parloc {
 namespace {
 
+/// Room for so many particles, of which the first `count` are there.
 struct Poses {
   std::vector<float> x, y, theta;
-  explicit Poses(std::size_t n) : x(n), y(n), theta(n) {}
+  std::uint32_t count;
+  explicit Poses(std::size_t n) : x(n), y(n), theta(n), count(static_cast<std::uint32_t>(n)) {}
 };
 
 /// 4 M cells, 100 x 100 m at 5 cm. By sector is worth it even out of the caches: 13 times on the office floor
@@ -44,6 +48,8 @@ class CpuBackend final : public Backend {
         bin_slot_(now_.x.size()),
         bin_used_(now_.x.size()) {
     for (std::uint32_t slot = 0; slot < bin_capacity_; ++slot) bin_clear(bins_view(), slot);
+    workers_.reserve(now_.x.size());
+    state_.count = state_.next_count = now_.count;
     workers_.threads = config.threads > 0 ? config.threads : omp_get_num_procs();
     if (config.resample.scheme == ResampleScheme::residual) {
       offspring_sum_.resize(now_.x.size());
@@ -58,6 +64,7 @@ class CpuBackend final : public Backend {
 
   void set_map(const GridMap& map) override {
     map_ = map;
+    if (config_.injects()) free_cells_ = free_cells(map);
     if (!casts_rays(config_.sensor.model)) {
       const std::vector<std::uint8_t> occupied = blocking_cells(map, false);
       squared_distance_ =
@@ -81,25 +88,33 @@ class CpuBackend final : public Backend {
     cpu::likelihood_table(squared_distance_, map_.width, map_.height, likelihood, workers_, field_);
   }
 
-  void upload(ParticleSet p) override {
-    now_.x = std::move(p.x);
-    now_.y = std::move(p.y);
-    now_.theta = std::move(p.theta);
-    log_weight_ = std::move(p.log_weight);
+  void upload(const ParticleSet& p) override {
+    check_upload(p, config_);
+    now_.count = other_.count = static_cast<std::uint32_t>(p.x.size());
+    std::copy(p.x.begin(), p.x.end(), now_.x.begin());
+    std::copy(p.y.begin(), p.y.end(), now_.y.begin());
+    std::copy(p.theta.begin(), p.theta.end(), now_.theta.begin());
+    std::copy(p.log_weight.begin(), p.log_weight.end(), log_weight_.begin());
     state_ = {};
+    state_.count = state_.next_count = now_.count;
   }
-  ParticleSet download() const override { return {now_.x, now_.y, now_.theta, log_weight_}; }
+  ParticleSet download() const override {
+    return {first(now_.x, now_.count), first(now_.y, now_.count), first(now_.theta, now_.count),
+            first(log_weight_, now_.count)};
+  }
 
   void predict(const MotionStep& motion, RandomKey key) override {
+    scan_worth_ = 0.0f;
     cpu::predict({view(now_), motion, key}, workers_);
   }
   void set_scan(const BeamTable& beams) override {
     beams_ = beams;
+    scan_worth_ = bind_scan_worth(config_.sensor, beams);
     scatter_beams(beams, scattered_);  // so that a particle's first beams tell most
   }
 
   std::vector<float> ray_trace() override {
-    std::vector<float> expected_m(now_.x.size() * beams_.count);
+    std::vector<float> expected_m(now_.count * beams_.count);
     RayTraceArgs args = ray_args(beams_);
     args.expected_m = expected_m.data();
     cpu::ray_trace(args, workers_);
@@ -122,24 +137,39 @@ class CpuBackend final : public Backend {
   }
 
   void normalise_scan() override {
-    cpu::normalise_scan(bind_normalise(view(now_), weights_view(), config_.resample, &state_), workers_);
+    cpu::normalise_scan(bind_normalise(view(now_), weights_view(), config_.resample, &state_,
+                                       bind_recovery(config_.recovery), &scan_worth_),
+                        workers_);
   }
 
   void estimate() override { cpu::estimate(view(now_), weights_view(), bins_view(), &state_, workers_); }
 
+  void adapt(RandomKey key, bool all) override {
+    if (!config_.adapts()) return;
+    const KldRule usual = bind_kld(config_.kld, config_.min_particles, config_.particles);
+    const KldRule rule = all ? rule_for_all(usual) : usual;
+    cpu::adapt({view(now_), view(other_), weights_view(), rule, free_space(), key, bins_view(), &state_},
+               workers_);
+  }
+
   void resample(RandomKey key) override {
     cpu::resample({view(now_), view(other_), weights_view(), config_.resample.scheme, key, &state_,
-                   ancestor_.data(), offspring_sum_.data(), remainder_sum_.data()},
+                   ancestor_.data(), offspring_sum_.data(), remainder_sum_.data(), free_space()},
                   workers_);
     std::swap(now_, other_);
   }
 
   StepState finish() override { return state_; }
-  std::vector<std::uint64_t> weights() const override { return weight_; }
-  std::vector<std::uint64_t> cumulative() const override { return cumulative_; }
-  std::vector<std::uint32_t> ancestors() const override { return ancestor_; }
+  std::vector<std::uint64_t> weights() const override { return first(weight_, state_.count); }
+  std::vector<std::uint64_t> cumulative() const override { return first(cumulative_, state_.count); }
+  std::vector<std::uint32_t> ancestors() const override { return first(ancestor_, now_.count); }
 
  private:
+  template <class T>
+  static std::vector<T> first(const std::vector<T>& all, std::uint32_t count) {
+    return std::vector<T>(all.begin(), all.begin() + count);
+  }
+  FreeSpace free_space() const { return bind_free_space(free_cells_.data(), free_cells_.size(), map_); }
   RayTraceArgs ray_args(const BeamTable& beams) {
     const RayMap map =
         bind_ray_map(skip_.lines.empty() ? nullptr : skip_.lines.data(), skip_.plane, map_, walls_.view());
@@ -147,10 +177,10 @@ class CpuBackend final : public Backend {
   }
   /// Log-weights stay in their slots, so that one array serves both buffers of poses.
   Particles view(Poses& p) {
-    return {p.x.data(), p.y.data(), p.theta.data(), log_weight_.data(), p.x.size()};
+    return {p.x.data(), p.y.data(), p.theta.data(), log_weight_.data(), &p.count, p.x.size()};
   }
   BeamVotes votes_view() { return {votes_.data(), votes_.data() + kMaxBeams, share_.data()}; }
-  Weights weights_view() { return {weight_.data(), cumulative_.data(), weight_.size()}; }
+  Weights weights_view() { return {weight_.data(), cumulative_.data()}; }
   BinTable bins_view() {
     return {bin_key_.data(),  bin_weight_.data(), bin_parent_.data(), bin_slot_.data(),
             bin_used_.data(), &bins_used_,        bin_capacity_};
@@ -165,6 +195,8 @@ class CpuBackend final : public Backend {
   std::vector<std::uint32_t> field_;
   float field_unit_nat_ = 0;
   BeamTable beams_, scattered_;
+  float scan_worth_ = 0.0f;
+  std::vector<std::uint32_t> free_cells_;  // only where particles are injected
   std::vector<std::uint64_t> votes_ = std::vector<std::uint64_t>(2 * kMaxBeams);  // zero between the steps
   std::vector<float> share_ = std::vector<float>(kMaxBeams);
   Poses now_, other_;

@@ -39,7 +39,7 @@ class BinFiller {
 };
 
 void fill_bins(const Particles& p, const std::uint64_t* weight, const BinTable& bins, Workers& workers) {
-  parallel_for(p.count, workers.threads, [=](std::size_t begin, std::size_t end) PARLOC_SIMD_LOOP {
+  parallel_for(p.count(), workers.threads, [=](std::size_t begin, std::size_t end) PARLOC_SIMD_LOOP {
     constexpr std::size_t kChunk = 512;
     std::uint64_t key[kChunk];
     BinFiller filler(bins);
@@ -72,16 +72,12 @@ std::uint32_t heaviest_cluster(const BinTable& t) {
   return best;
 }
 
-void clear_bins(const BinTable& t) {
-  for (std::size_t k = 0; k < *t.used_count; ++k) bin_clear(t, t.used[k]);
-  *t.used_count = 0;
-}
-
 }  // namespace
 
 void estimate(const Particles& p, const Weights& weights, const BinTable& bins, StepState* state,
               Workers& workers) {
   const std::uint64_t* weight = weights.weight;
+  const std::size_t count = p.count();
   fill_bins(p, weight, bins, workers);
   const std::uint32_t best = heaviest_cluster(bins);
   state->best_slot = best;
@@ -91,21 +87,20 @@ void estimate(const Particles& p, const Weights& weights, const BinTable& bins, 
   const auto in_cluster = [=](std::size_t i)
                               PARLOC_SIMD_LOOP { return bins.parent[bins.slot_of[i]] == best; };
 
-  const SumVector<kMeanSums> mean =
-      block_sum<kMeanSums>(p.count, workers, [=](std::size_t i) PARLOC_SIMD_LOOP {
-        return mean_terms(p.x[i], p.y[i], p.theta[i], weight[i], in_cluster(i));
-      });
+  const SumVector<kMeanSums> mean = block_sum<kMeanSums>(count, workers, [=](std::size_t i) PARLOC_SIMD_LOOP {
+    return mean_terms(p.x[i], p.y[i], p.theta[i], weight[i], in_cluster(i));
+  });
   finish_mean(state->all, mean.v, total, total);
   finish_mean(state->cluster, mean.v + 4, cluster_weight, total);
 
   const Moments all = state->all, cluster = state->cluster;
   const SumVector<kCovarianceSums> cov =
-      block_sum<kCovarianceSums>(p.count, workers, [=](std::size_t i) PARLOC_SIMD_LOOP {
+      block_sum<kCovarianceSums>(count, workers, [=](std::size_t i) PARLOC_SIMD_LOOP {
         return covariance_terms(p.x[i], p.y[i], p.theta[i], weight[i], in_cluster(i), all, cluster);
       });
   finish_covariance(state->all, cov.v, total);
   finish_covariance(state->cluster, cov.v + 6, cluster_weight);
-  clear_bins(bins);
+  bin_clear_used(bins);
 }
 
 }  // namespace parloc::cpu

@@ -22,6 +22,14 @@ struct Workers {
   int threads = 1;
   std::vector<double> sums;
   std::vector<std::uint64_t> offsets;
+
+  /// Enough for every stage on so many particles.
+  void reserve(std::size_t particles) {
+    constexpr std::size_t kMostSums = 12;  // of an estimate, one row per block of 1024 and of 1024 of those
+    const std::size_t blocks = particles / 1024 + 1;
+    sums.reserve((blocks + blocks / 1024 + 2) * kMostSums);
+    offsets.reserve(blocks);
+  }
 };
 
 /// A loaded library may have set flush-to-zero or another rounding mode: strict arithmetic for this scope.

@@ -7,12 +7,15 @@ void predict(const PredictArgs& args, Workers& workers) {
   const Particles p = args.particles;
   const MotionStep motion = args.motion;
   const RandomKey key = args.key;
-  parallel_for(p.count, workers.threads, [=](std::size_t begin, std::size_t end) PARLOC_SIMD_LOOP {
+  parallel_for(p.count(), workers.threads, [=](std::size_t begin, std::size_t end) PARLOC_SIMD_LOOP {
     float* __restrict x = p.x;
     float* __restrict y = p.y;
     float* __restrict theta = p.theta;
     for (std::size_t i = begin; i < end; ++i)
       predict_one(x[i], y[i], theta[i], motion, static_cast<std::uint32_t>(i), key.step, key.seed);
+    if (!widens(motion)) return;
+    for (std::size_t i = begin; i < end; ++i)
+      spread_one(x[i], y[i], theta[i], motion, static_cast<std::uint32_t>(i), key.step, key.seed);
   });
 }
 

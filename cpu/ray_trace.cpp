@@ -197,7 +197,7 @@ void ray_trace(const RayTraceArgs& args, Workers& workers) {
       std::copy(row, row + beams, args.expected_m + i * beams);
     }
   };
-  parallel_blocks(args.particles.count, workers.threads, 1, loop);
+  parallel_blocks(args.particles.count(), workers.threads, 1, loop);
 }
 
 }  // namespace parloc::cpu

@@ -7,13 +7,14 @@ namespace parloc::cpu {
 namespace {
 
 void residual_sums(const ResampleArgs& a, Workers& workers) {
-  const std::uint64_t n = a.from.count;
+  const std::size_t parents = a.from.count();
+  const std::uint64_t n = a.to.count();
   const std::uint64_t total = a.state->total;
   const std::uint64_t* weight = a.weights.weight;
   const int shift = remainder_shift(n, total);
-  inclusive_scan(n, workers, a.offspring_sum,
+  inclusive_scan(parents, workers, a.offspring_sum,
                  [=](std::size_t i) PARLOC_SIMD_LOOP { return whole_copies(weight[i], n, total); });
-  inclusive_scan(n, workers, a.remainder_sum,
+  inclusive_scan(parents, workers, a.remainder_sum,
                  [=](std::size_t i) PARLOC_SIMD_LOOP { return left_over(weight[i], n, total, shift); });
 }
 
@@ -45,7 +46,7 @@ class Strata {
 template <class Threshold>
 void walk(const ResampleArgs& a, std::size_t begin, std::size_t end, Threshold threshold_of) {
   const std::uint64_t* cumulative = a.weights.cumulative;
-  std::size_t from = first_above(cumulative, a.from.count, threshold_of(begin));
+  std::size_t from = first_above(cumulative, a.from.count(), threshold_of(begin));
   a.ancestor[begin] = static_cast<std::uint32_t>(from);
   for (std::size_t j = begin + 1; j < end; ++j) {
     const std::uint64_t threshold = threshold_of(j);
@@ -56,7 +57,7 @@ void walk(const ResampleArgs& a, std::size_t begin, std::size_t end, Threshold t
 }
 
 void resample_in_order(const ResampleArgs& a, std::size_t begin, std::size_t end) {
-  const std::uint64_t n = a.from.count, total = a.state->total;
+  const std::uint64_t n = a.to.count(), total = a.state->total;
   if (a.scheme == ResampleScheme::systematic) {
     Strata strata(begin, word64(philox(0, a.key.step, Stream::systematic, 0, a.key.seed)), n);
     walk(a, begin, end, [&](std::size_t) { return multiply_high(strata.next(), total); });
@@ -75,13 +76,15 @@ bool in_order(const ResampleArgs& a) {
 void resample(const ResampleArgs& a, Workers& workers) {
   if (a.state->resample != 0 && a.scheme == ResampleScheme::residual) residual_sums(a, workers);
   const bool ordered = in_order(a);
-  parallel_for(a.from.count, workers.threads, [=](std::size_t begin, std::size_t end) PARLOC_SIMD_LOOP {
-    if (ordered) return resample_in_order(a, begin, end);
-    for (std::size_t j = begin; j < end; ++j) {
+  const bool injecting = a.state->resample != 0 && a.state->inject > 0.0;
+  parallel_for(a.to.count(), workers.threads, [=](std::size_t begin, std::size_t end) PARLOC_SIMD_LOOP {
+    if (ordered) resample_in_order(a, begin, end);
+    for (std::size_t j = begin; j < end && !ordered; ++j) {
       const std::uint32_t from = ancestor_of(a, j);
       a.ancestor[j] = from;
       gather_one(a, j, from);
     }
+    for (std::size_t j = begin; j < end && injecting; ++j) inject_one(a, static_cast<std::uint32_t>(j));
   });
 }
 

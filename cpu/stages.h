@@ -2,6 +2,7 @@
 #pragma once
 
 #include "common/filter/bins.h"
+#include "common/filter/kld.h"
 #include "common/filter/stages.h"
 #include "cpu/parallel.h"
 
@@ -15,6 +16,8 @@ void weight(const WeightArgs& args, Workers& workers);
 void normalise_scan(const NormaliseArgs& args, Workers& workers);
 void estimate(const Particles& particles, const Weights& weights, const BinTable& bins, StepState* state,
               Workers& workers);
+/// Only where the number of particles adapts; before resample.
+void adapt(const AdaptArgs& args, Workers& workers);
 void resample(const ResampleArgs& args, Workers& workers);
 
 }  // namespace parloc::cpu

@@ -106,7 +106,7 @@ void weight_by_rays(const WeightArgs& a, const Model& model, Workers& workers) {
   const float* stored_m = r.expected_m;
   float* log_weight = r.particles.log_weight;
   const MostOfRest rest = most_of_rest(model, beams);
-  Contest contest(r.particles.count);
+  Contest contest(r.particles.capacity);
   const auto loop = [&](std::size_t begin, std::size_t end) PARLOC_SIMD_LOOP {
     alignas(64) float row[kRangeRoom];
     Travellers on;
@@ -125,7 +125,7 @@ void weight_by_rays(const WeightArgs& a, const Model& model, Workers& workers) {
       contest.enter(log_weight[i]);
     }
   };
-  parallel_blocks(r.particles.count, workers.threads, 1, loop);
+  parallel_blocks(r.particles.count(), workers.threads, 1, loop);
 }
 
 void weight_by_field(const WeightArgs& a, Workers& workers) {
@@ -142,7 +142,7 @@ void weight_by_field(const WeightArgs& a, Workers& workers) {
       p.log_weight[i] = tempered_log_weight(p.log_weight[i], sum, field.unit_nat, a.tempering);
     }
   };
-  parallel_blocks(p.count, workers.threads, 1, loop);
+  parallel_blocks(p.count(), workers.threads, 1, loop);
 }
 
 }  // namespace

@@ -6,6 +6,7 @@
 #include "common/filter/bind.h"
 #include "common/filter/bins.h"
 #include "common/filter/judge.h"
+#include "common/filter/start.h"
 #include "common/map/blocking_cells.h"
 #include "common/map/skip_field.h"
 #include "common/map/wall_index.h"
@@ -17,10 +18,13 @@ namespace parloc {
 namespace PARLOC_CUDA_NAMESPACE {
 namespace {
 
+/// Room for so many particles; `live` says how many of them are there.
 struct Poses {
   DeviceBuffer<float> x, y, theta;
+  DeviceBuffer<std::uint32_t> live;
   explicit Poses(std::size_t n) {
     for (auto* b : {&x, &y, &theta}) b->reserve(n);
+    live.reserve(1);
   }
 };
 
@@ -31,7 +35,8 @@ enum Stage : unsigned {
   kWeightUnfused = 4,
   kNormalise = 8,
   kEstimate = 16,
-  kResample = 32,
+  kAdapt = 32,
+  kResample = 64,
 };
 
 int selected(int device) {
@@ -47,31 +52,32 @@ class CudaBackend final : public Backend {
       : config_(config),
         device_(selected(config.device)),  // before anything is allocated
         device_name_(std::move(device_name)),
-        count_(static_cast<std::size_t>(config.particles)),
-        a_(count_),
-        b_(count_) {
+        capacity_(static_cast<std::size_t>(config.particles)),
+        a_(capacity_),
+        b_(capacity_) {
     stream_ = make_stream();
-    scratch_.reserve(count_);
-    log_weight_.reserve(count_);
-    weight_.reserve(count_);
-    cumulative_.reserve(count_);
-    ancestor_.reserve(count_);
-    bins_.capacity = bin_capacity(count_);
+    scratch_.reserve(capacity_);
+    log_weight_.reserve(capacity_);
+    weight_.reserve(capacity_);
+    cumulative_.reserve(capacity_);
+    ancestor_.reserve(capacity_);
+    if (config.adapts()) first_of_bin_.reserve(capacity_);
+    bins_.capacity = bin_capacity(capacity_);
     for (auto* b : {&bin_key_, &bin_weight_}) b->reserve(bins_.capacity);
     bin_parent_.reserve(bins_.capacity);
-    bin_slot_.reserve(count_);
-    bin_used_.reserve(count_);
+    bin_slot_.reserve(capacity_);
+    bin_used_.reserve(capacity_);
     bins_used_.reserve(1);
     bins_ = {bin_key_.data(),  bin_weight_.data(), bin_parent_.data(), bin_slot_.data(),
              bin_used_.data(), bins_used_.data(),  bins_.capacity};
     clear_all_bins(bins_, stream_);
-    state_.from_host({StepState{}}, stream_);
     state_up_.reserve(1);
+    start_with(static_cast<std::uint32_t>(capacity_));
     votes_.from_host(std::vector<std::uint64_t>(2 * kMaxBeams), stream_);
     share_.reserve(kMaxBeams);
     if (config.resample.scheme == ResampleScheme::residual) {
-      offspring_sum_.reserve(count_);
-      remainder_sum_.reserve(count_);
+      offspring_sum_.reserve(capacity_);
+      remainder_sum_.reserve(capacity_);
     }
     synchronise(stream_);
   }
@@ -87,6 +93,12 @@ class CudaBackend final : public Backend {
     run_planned();
     steps_.clear();  // they know the old map's place
     map_ = map;
+    if (config_.injects()) {
+      const std::vector<std::uint32_t> cells = free_cells(map);
+      free_cells_.from_host(cells, stream_);
+      free_count_ = cells.size();
+      synchronise(stream_);
+    }
     const bool field = !casts_rays(config_.sensor.model);
     const std::vector<std::uint8_t> blocks = blocking_cells(map, !field && config_.sensor.unknown_blocks);
     if (field) {
@@ -124,27 +136,29 @@ class CudaBackend final : public Backend {
     likelihood_table(squared_distance_.data(), map_.width, map_.height, likelihood, field_.data(), stream_);
   }
 
-  void upload(ParticleSet p) override {
+  void upload(const ParticleSet& p) override {
+    check_upload(p, config_);
     use_device();
     run_planned();
     a_.x.from_host(p.x, stream_);
     a_.y.from_host(p.y, stream_);
     a_.theta.from_host(p.theta, stream_);
     log_weight_.from_host(p.log_weight, stream_);
-    state_.from_host({StepState{}}, stream_);
+    start_with(static_cast<std::uint32_t>(p.x.size()));
     synchronise(stream_);
     now_ = &a_, other_ = &b_;
   }
   ParticleSet download() const override {
     expect_finished();
-    return {now_->x.to_host(count_, stream_), now_->y.to_host(count_, stream_),
-            now_->theta.to_host(count_, stream_), log_weight_.to_host(count_, stream_)};
+    return {now_->x.to_host(now_count_, stream_), now_->y.to_host(now_count_, stream_),
+            now_->theta.to_host(now_count_, stream_), log_weight_.to_host(now_count_, stream_)};
   }
 
   void predict(const MotionStep& motion, RandomKey key) override {
     plan(kPredict);
     use_key(key);
     input_.host().motion = motion;
+    input_.host().scan_worth = 0.0f;
   }
 
   void set_scan(const BeamTable& t) override {
@@ -152,6 +166,7 @@ class CudaBackend final : public Backend {
     if (planned_ >= kWeight) run_planned();
     input_.host().models = bind_ray_models(config_.sensor, t.range_max_m);
     input_.host().tempering = bind_tempering(config_.sensor, t);
+    input_.host().scan_worth = bind_scan_worth(config_.sensor, t);
     if (input_.set_scan(t)) steps_.clear();  // they know the arrays' old place
   }
 
@@ -160,7 +175,7 @@ class CudaBackend final : public Backend {
     reserve_expected();
     input_.copy_to_device(stream_);
     trace();
-    return expected_m_.to_host(count_ * input_.host().scan.count, stream_);
+    return expected_m_.to_host(now_count_ * input_.host().scan.count, stream_);
   }
 
   void weight(bool fused) override {
@@ -170,6 +185,12 @@ class CudaBackend final : public Backend {
   }
   void normalise_scan() override { plan(kNormalise); }
   void estimate() override { plan(kEstimate); }
+  void adapt(RandomKey key, bool all) override {
+    if (!config_.adapts()) return;
+    plan(kAdapt);
+    use_key(key);
+    input_.host().all_particles = all ? 1 : 0;
+  }
   void resample(RandomKey key) override {
     plan(kResample);
     use_key(key);
@@ -179,9 +200,9 @@ class CudaBackend final : public Backend {
     run_planned();
     return *state_up_.data();
   }
-  std::vector<std::uint64_t> weights() const override { return read(weight_); }
-  std::vector<std::uint64_t> cumulative() const override { return read(cumulative_); }
-  std::vector<std::uint32_t> ancestors() const override { return read(ancestor_); }
+  std::vector<std::uint64_t> weights() const override { return read(weight_, weighed_count_); }
+  std::vector<std::uint64_t> cumulative() const override { return read(cumulative_, weighed_count_); }
+  std::vector<std::uint32_t> ancestors() const override { return read(ancestor_, now_count_); }
 
  private:
   /// A thread may drive several filters, each on its own device.
@@ -208,8 +229,23 @@ class CudaBackend final : public Backend {
     const unsigned which_poses = now_ == &a_ ? 0 : 2 * kResample;
     steps_[planned_ + which_poses].run(stream_, [this] { start_stages(); });
     synchronise(stream_);
-    if ((planned_ & kResample) != 0) std::swap(now_, other_);
+    weighed_count_ = state_up_.data()->count;
+    if ((planned_ & kResample) != 0) {
+      std::swap(now_, other_);
+      now_count_ = state_up_.data()->next_count;
+    }
     planned_ = 0;
+  }
+
+  /// So many particles are in the buffers; there has been no step.
+  void start_with(std::uint32_t count) {
+    now_count_ = weighed_count_ = count;
+    StepState state;
+    state.count = state.next_count = count;
+    *state_up_.data() = state;
+    state_.from_host({state}, stream_);
+    for (Poses* p : {&a_, &b_}) p->live.from_host({count}, stream_);
+    synchronise(stream_);
   }
 
   /// Everything that differs from the last such step is in input_, so this may be recorded.
@@ -229,10 +265,12 @@ class CudaBackend final : public Backend {
       stage::weight(args, input_.device(), stream_);
     }
     if (asked(kNormalise))
-      stage::normalise_scan(bind_normalise(view(*now_), weights_view(), config_.resample, state_.data()),
+      stage::normalise_scan(bind_normalise(view(*now_), weights_view(), config_.resample, state_.data(),
+                                           bind_recovery(config_.recovery), &input_.device()->scan_worth),
                             scratch_, stream_);
     if (asked(kEstimate))
       stage::estimate(view(*now_), weights_view(), bins_, state_.data(), scratch_, stream_);
+    if (asked(kAdapt)) stage::adapt(adapt_args(), input_.device(), scratch_, stream_);
     if (asked(kResample)) stage::resample(resample_args(), input_.device(), scratch_, stream_);
     copy_up(state_up_.data(), state_.data(), sizeof(StepState), stream_);
   }
@@ -241,15 +279,15 @@ class CudaBackend final : public Backend {
     if (planned_ != 0) throw Error(ErrorKind::internal, "Backend: expected finish() before reading results");
   }
   template <class T>
-  std::vector<T> read(const DeviceBuffer<T>& buffer) const {
+  std::vector<T> read(const DeviceBuffer<T>& buffer, std::size_t count) const {
     expect_finished();
     use_device();
-    return buffer.to_host(count_, stream_);
+    return buffer.to_host(count, stream_);
   }
 
   void reserve_expected() {
     use_device();
-    const std::size_t size = count_ * input_.host().scan.count;
+    const std::size_t size = capacity_ * input_.host().scan.count;
     if (size > expected_m_.size()) steps_.clear();  // they know the old place
     expected_m_.reserve(size);
   }
@@ -262,21 +300,28 @@ class CudaBackend final : public Backend {
     const Walls walls{walls_.data(), wall_ids_.data(), wall_first_.data(), wall_count_};
     return bind_rays(view(*now_), bind_ray_map(skip_.data(), 0, map_, walls), input_.beams(), config_.sensor);
   }
+  AdaptArgs adapt_args() const {
+    const KldRule rule = bind_kld(config_.kld, config_.min_particles, config_.particles);
+    return {view(*now_), view(*other_), weights_view(),      rule, free_space(), {},
+            bins_,       state_.data(), first_of_bin_.data()};
+  }
   ResampleArgs resample_args() const {
     return {view(*now_),   view(*other_),    weights_view(),        config_.resample.scheme, {},
-            state_.data(), ancestor_.data(), offspring_sum_.data(), remainder_sum_.data()};
+            state_.data(), ancestor_.data(), offspring_sum_.data(), remainder_sum_.data(),   free_space()};
   }
+  FreeSpace free_space() const { return bind_free_space(free_cells_.data(), free_count_, map_); }
   /// Log-weights stay in their slots, so that one array serves both buffers of poses.
   Particles view(const Poses& p) const {
-    return {p.x.data(), p.y.data(), p.theta.data(), log_weight_.data(), count_};
+    return {p.x.data(), p.y.data(), p.theta.data(), log_weight_.data(), p.live.data(), capacity_};
   }
   BeamVotes votes_view() const { return {votes_.data(), votes_.data() + kMaxBeams, share_.data()}; }
-  Weights weights_view() const { return {weight_.data(), cumulative_.data(), count_}; }
+  Weights weights_view() const { return {weight_.data(), cumulative_.data()}; }
 
   BackendConfig config_;
   int device_;
   std::string device_name_;
-  std::size_t count_;
+  std::size_t capacity_;
+  std::size_t now_count_ = 0, weighed_count_ = 0;  // as the device has them, after finish()
   Stream stream_{};
   Scratch scratch_;
   GridMap map_;  // without its cells
@@ -287,6 +332,8 @@ class CudaBackend final : public Backend {
   std::uint32_t wall_count_ = 0;
   DeviceBuffer<std::uint32_t> field_;
   float field_unit_nat_ = 0;
+  DeviceBuffer<std::uint32_t> free_cells_;  // only where particles are injected
+  std::size_t free_count_ = 0;
   StepInputBuffer input_;
   DeviceBuffer<std::uint64_t> votes_;  // zero between the steps
   DeviceBuffer<float> share_;
@@ -294,7 +341,7 @@ class CudaBackend final : public Backend {
   Poses a_, b_;
   DeviceBuffer<float> log_weight_;
   Poses *now_ = &a_, *other_ = &b_;
-  DeviceBuffer<std::uint64_t> weight_, cumulative_, offspring_sum_, remainder_sum_;
+  DeviceBuffer<std::uint64_t> weight_, cumulative_, first_of_bin_, offspring_sum_, remainder_sum_;
   DeviceBuffer<std::uint32_t> ancestor_;
   BinTable bins_;
   DeviceBuffer<std::uint64_t> bin_key_, bin_weight_, bins_used_;

@@ -2,6 +2,7 @@
 // again.
 #pragma once
 
+#include "common/filter/stages.h"
 #include "common/math/block_sum.h"
 #include "cuda/launch.h"
 
@@ -16,14 +17,16 @@ struct SumBlocks {
   static constexpr int kPhases = 10;  // lanes, eight halvings, store
   Term term;
   std::size_t count;
-  double* out;  // [blocks][K]
+  const std::uint32_t* live;  // null: all of `count`; else as many as it says
+  double* out;                // [blocks][K]
   PARLOC_HD void operator()(const Thread& me, int phase, Shared& s) const {
     const unsigned t = me.thread;
     if (phase == 0) {
+      const std::size_t there = live != nullptr ? *live : count;
       for (int k = 0; k < K; ++k) s.lane[k][t] = 0.0;
       for (std::size_t row = 0; row < kSumBlock / kSumLanes; ++row) {
         const std::size_t i = std::size_t{me.block} * kSumBlock + row * kSumLanes + t;
-        if (i >= count) break;
+        if (i >= there) break;
         const SumVector<K> x = term(i);
         for (int k = 0; k < K; ++k) s.lane[k][t] += x.v[k];
       }
@@ -47,16 +50,19 @@ struct ReadSums {
   }
 };
 
-/// Returns where the K sums will be in `scratch`, which holds (blocks + blocks / 1024 + 3) * K doubles.
+/// Sums term(i) over the particles. Returns where the K sums will be in `scratch`, which holds
+/// (blocks + blocks / 1024 + 3) * K doubles. Blocks without particles add exactly 0: the bits are those of a
+/// sum whose shape is made for just these particles.
 template <int K, class Term>
-const double* block_sum(std::size_t count, const Term& term, double* scratch, Stream stream) {
-  std::size_t blocks = sum_blocks(count);
+const double* block_sum(const Particles& particles, const Term& term, double* scratch, Stream stream) {
+  std::size_t blocks = sum_blocks(particles.capacity);
   double* level = scratch;
-  launch(SumBlocks<K, Term>{term, count, level}, static_cast<unsigned>(blocks), stream);
+  launch(SumBlocks<K, Term>{term, particles.capacity, particles.live, level}, static_cast<unsigned>(blocks),
+         stream);
   while (blocks > 1) {
     double* next = level + blocks * K;
     const std::size_t above = sum_blocks(blocks);
-    launch(SumBlocks<K, ReadSums<K>>{{level}, blocks, next}, static_cast<unsigned>(above), stream);
+    launch(SumBlocks<K, ReadSums<K>>{{level}, blocks, nullptr, next}, static_cast<unsigned>(above), stream);
     level = next;
     blocks = above;
   }

@@ -13,7 +13,7 @@ struct FillBins {
   std::uint64_t* best;
   PARLOC_HD void operator()(const Thread& me) const {
     if (me.first() == 0) best[0] = best[1] = 0;
-    for (std::size_t i = me.first(); i < p.count; i += me.stride()) {
+    for (std::size_t i = me.first(); i < p.count(); i += me.stride()) {
       const std::uint32_t slot = bin_find_or_make(t, bin_key_of(p.x[i], p.y[i], p.theta[i]));
       atomic_add(&t.weight[slot], weight[i]);
       t.slot_of[i] = slot;
@@ -136,9 +136,14 @@ void clear_all_bins(const BinTable& t, Stream stream) {
   launch(ClearAllBins{t}, blocks_for(t.capacity), stream);
 }
 
+void clear_used_bins(const BinTable& t, std::size_t most, Stream stream) {
+  launch(ClearBins{t}, blocks_for(most), stream);
+  launch(ClearList{t}, 1, stream);
+}
+
 void estimate(const Particles& p, const Weights& w, const BinTable& t, StepState* state, Scratch& scratch,
               Stream stream) {
-  const unsigned blocks = blocks_for(p.count);  // there are no more bins than particles
+  const unsigned blocks = blocks_for(p.capacity);  // there are no more bins than particles
   std::uint64_t* best = scratch.best.data();
   launch(FillBins{t, p, w.weight, best}, blocks, stream);
   launch(JoinBins{t}, blocks, stream);
@@ -147,13 +152,11 @@ void estimate(const Particles& p, const Weights& w, const BinTable& t, StepState
   launch(FindHeaviest{t, best, true}, blocks, stream);
   launch(TakeHeaviest{t, best, state}, 1, stream);
   const Members members{p, w.weight, t, state};
-  const double* mean = block_sum<kMeanSums>(p.count, MeanTerm{members}, scratch.sums.data(), stream);
+  const double* mean = block_sum<kMeanSums>(p, MeanTerm{members}, scratch.sums.data(), stream);
   launch(Finish{t, mean, state, false}, 1, stream);
-  const double* cov =
-      block_sum<kCovarianceSums>(p.count, CovarianceTerm{members}, scratch.sums.data(), stream);
+  const double* cov = block_sum<kCovarianceSums>(p, CovarianceTerm{members}, scratch.sums.data(), stream);
   launch(Finish{t, cov, state, true}, 1, stream);
-  launch(ClearBins{t}, blocks, stream);
-  launch(ClearList{t}, 1, stream);
+  clear_used_bins(t, p.capacity, stream);
 }
 
 }  // namespace parloc::PARLOC_CUDA_NAMESPACE

@@ -86,7 +86,8 @@ struct Decide {  // one block: shares from votes; leaves the votes zero
 void judge_beams(const WeightArgs& args, const StepInput* input, Stream stream) {
   constexpr std::size_t kUsualBeams = 128;  // more or fewer only change how often a thread comes round
   const std::size_t per_thread = args.model == SensorModel::class_conditional ? 1 : 64;
-  const std::size_t groups = (voters(args) + per_thread - 1) / per_thread;
+  const std::size_t most = voters_of(args.model, args.rays.particles.capacity);
+  const std::size_t groups = (most + per_thread - 1) / per_thread;
   launch(Vote{args, input, per_thread}, blocks_for(groups * kUsualBeams), stream);
   launch(Decide{args, input}, 1, stream);
 }

@@ -36,7 +36,7 @@ struct FindMax {
     if (phase == 0 && me.thread == 0) s.most = ordered(kNoWeight);
     if (phase == 1) {
       float most = kNoWeight;
-      for (std::size_t i = me.first(); i < a.particles.count; i += me.stride())
+      for (std::size_t i = me.first(); i < a.particles.count(); i += me.stride())
         most = max_of(valid_log_weight(a.particles.log_weight[i]), most);
       atomic_raise(&s.most, ordered(most));
     }
@@ -58,8 +58,9 @@ struct Normalise {
   int bits;
   PARLOC_HD void operator()(const Thread& me) const {
     const StepState now = *a.state;
-    for (std::size_t i = me.first(); i < a.particles.count; i += me.stride())
-      a.weights.weight[i] = normalise_one(a.particles.log_weight[i], now, bits);
+    const std::size_t count = a.particles.count();
+    for (std::size_t i = me.first(); i < a.particles.capacity; i += me.stride())  // the scan reads them all
+      a.weights.weight[i] = i < count ? normalise_one(a.particles.log_weight[i], now, bits) : 0;
   }
 };
 
@@ -76,8 +77,7 @@ struct Decide {
   const double* squares;
   PARLOC_HD void operator()(const Thread& me) const {
     if (me.first() != 0) return;
-    a.state->total = a.weights.cumulative[a.particles.count - 1];
-    decide_resampling(*a.state, *squares, a.particles.count, a.threshold, a.always);
+    finish_normalising(a, a.weights.cumulative[a.particles.count() - 1], *squares);
   }
 };
 
@@ -113,13 +113,14 @@ void Scratch::reserve(std::size_t particles) {
 }
 
 void normalise_scan(const NormaliseArgs& a, Scratch& scratch, Stream stream) {
-  const std::size_t count = a.particles.count;
+  const std::size_t count = a.particles.capacity;
   launch(ClearMax{a.state}, 1, stream);
   launch(FindMax{a}, std::min(blocks_for(count), 1024u), stream);
   launch(TakeMax{a.state}, 1, stream);
   launch(Normalise{a, weight_bits(count)}, blocks_for(count), stream);
   inclusive_scan(a.weights.weight, a.weights.cumulative, count, scratch, stream);
-  const double* squares = block_sum<1>(count, SquareTerm{a.weights.weight}, scratch.sums.data(), stream);
+  const double* squares =
+      block_sum<1>(a.particles, SquareTerm{a.weights.weight}, scratch.sums.data(), stream);
   launch(Decide{a, squares}, 1, stream);
 }
 

@@ -9,15 +9,20 @@ struct Predict {
   PARLOC_HD void operator()(const Thread& me) const {
     const MotionStep motion = input->motion;
     const RandomKey key = input->key;
-    for (std::size_t i = me.first(); i < p.count; i += me.stride())
-      predict_one(p.x[i], p.y[i], p.theta[i], motion, static_cast<std::uint32_t>(i), key.step, key.seed);
+    const bool spread = widens(motion);
+    const std::size_t count = p.count();
+    for (std::size_t i = me.first(); i < count; i += me.stride()) {
+      const std::uint32_t slot = static_cast<std::uint32_t>(i);
+      predict_one(p.x[i], p.y[i], p.theta[i], motion, slot, key.step, key.seed);
+      if (spread) spread_one(p.x[i], p.y[i], p.theta[i], motion, slot, key.step, key.seed);
+    }
   }
 };
 
 }  // namespace
 
 void predict(const Particles& particles, const StepInput* input, Stream stream) {
-  launch(Predict{particles, input}, blocks_for(particles.count), stream);
+  launch(Predict{particles, input}, blocks_for(particles.capacity), stream);
 }
 
 }  // namespace parloc::PARLOC_CUDA_NAMESPACE

@@ -10,7 +10,7 @@ struct RayTrace {  // one thread per ray, adjacent threads adjacent beams
   PARLOC_HD void operator()(const Thread& me) const {
     const RayTraceArgs a = with_scan(args, *input);
     const std::size_t beams = a.beams.count;
-    for (std::size_t r = me.first(); r < a.particles.count * beams; r += me.stride()) {
+    for (std::size_t r = me.first(); r < a.particles.count() * beams; r += me.stride()) {
       a.expected_m[r] = trace_beam(a, ray_origin(a, r / beams), r % beams);
     }
   }
@@ -19,7 +19,7 @@ struct RayTrace {  // one thread per ray, adjacent threads adjacent beams
 }  // namespace
 
 void ray_trace(const RayTraceArgs& args, const StepInput* input, Stream stream) {
-  launch(RayTrace{args, input}, blocks_for(args.particles.count * args.beams.count), stream);
+  launch(RayTrace{args, input}, blocks_for(args.particles.capacity * args.beams.count), stream);
 }
 
 }  // namespace parloc::PARLOC_CUDA_NAMESPACE

@@ -8,9 +8,9 @@ namespace {
 struct ResidualCounts {
   ResampleArgs a;
   PARLOC_HD void operator()(const Thread& me) const {
-    const std::uint64_t n = a.from.count, total = a.state->total;
+    const std::uint64_t n = a.to.count(), total = a.state->total;
     const int shift = remainder_shift(n, total);
-    for (std::size_t i = me.first(); i < n; i += me.stride()) {
+    for (std::size_t i = me.first(); i < a.from.capacity; i += me.stride()) {  // beyond N weights are 0
       a.offspring_sum[i] = whole_copies(a.weights.weight[i], n, total);
       a.remainder_sum[i] = left_over(a.weights.weight[i], n, total, shift);
     }
@@ -23,10 +23,13 @@ struct Gather {
   PARLOC_HD void operator()(const Thread& me) const {
     ResampleArgs a = args;
     a.key = input->key;
-    for (std::size_t j = me.first(); j < a.from.count; j += me.stride()) {
+    const std::size_t count = a.to.count();
+    const bool injecting = a.state->resample != 0 && a.state->inject > 0.0;
+    for (std::size_t j = me.first(); j < count; j += me.stride()) {
       const std::uint32_t from = ancestor_of(a, j);
       a.ancestor[j] = from;
       gather_one(a, j, from);
+      if (injecting) inject_one(a, static_cast<std::uint32_t>(j));
     }
   }
 };
@@ -35,11 +38,12 @@ struct Gather {
 
 void resample(const ResampleArgs& a, const StepInput* input, Scratch& scratch, Stream stream) {
   if (a.scheme == ResampleScheme::residual) {
-    launch(ResidualCounts{a}, blocks_for(a.from.count), stream);
-    inclusive_scan(a.offspring_sum, a.offspring_sum, a.from.count, scratch, stream);
-    inclusive_scan(a.remainder_sum, a.remainder_sum, a.from.count, scratch, stream);
+    const std::size_t most = a.from.capacity;
+    launch(ResidualCounts{a}, blocks_for(most), stream);
+    inclusive_scan(a.offspring_sum, a.offspring_sum, most, scratch, stream);
+    inclusive_scan(a.remainder_sum, a.remainder_sum, most, scratch, stream);
   }
-  launch(Gather{a, input}, blocks_for(a.from.count), stream);
+  launch(Gather{a, input}, blocks_for(a.to.capacity), stream);
 }
 
 }  // namespace parloc::PARLOC_CUDA_NAMESPACE

@@ -4,6 +4,7 @@
 #pragma once
 
 #include "common/filter/bins.h"
+#include "common/filter/kld.h"
 #include "common/filter/stages.h"
 #include "cuda/launch.h"
 #include "cuda/memory.h"
@@ -27,10 +28,14 @@ void weight(const WeightArgs& args, const StepInput* input, Stream stream);
 void normalise_scan(const NormaliseArgs& args, Scratch& scratch, Stream stream);
 void estimate(const Particles& particles, const Weights& weights, const BinTable& bins, StepState* state,
               Scratch& scratch, Stream stream);
+/// Only where the number of particles adapts; before resample.
+void adapt(const AdaptArgs& args, const StepInput* input, Scratch& scratch, Stream stream);
 void resample(const ResampleArgs& args, const StepInput* input, Scratch& scratch, Stream stream);
 
 /// Makes a new table empty; estimate() leaves it so.
 void clear_all_bins(const BinTable& bins, Stream stream);
+/// Empties a table that has at most so many bins.
+void clear_used_bins(const BinTable& bins, std::size_t most, Stream stream);
 
 /// out[i] = in[0] + ... + in[i]; in == out is allowed.
 void inclusive_scan(const std::uint64_t* in, std::uint64_t* out, std::size_t count, Scratch& scratch,

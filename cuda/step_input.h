@@ -18,6 +18,8 @@ struct alignas(16) StepInput {
   ScanShape scan;
   RayModels models;  ///< They depend on the maximum range.
   float tempering = 1.0f;
+  std::uint32_t all_particles = 0;  ///< adapt: as many as there can be.
+  float scan_worth = 0.0f;          ///< Independent beams that the scan counts for; 0: no scan.
 };
 
 /// `args` with the scan of this step; the arrays stay where they are.

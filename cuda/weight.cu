@@ -56,7 +56,7 @@ struct WeightGroup {  // a block weighs kParticlesPerBlock particles
     const unsigned slot = me.thread / kLanes, lane = me.thread % kLanes;
     const std::size_t i = first + std::size_t{me.block} * kParticlesPerBlock + slot;
     if (phase == 0 && lane == 0) shared.sum[slot] = 0;
-    if (i >= args.rays.particles.count) return;
+    if (i >= args.rays.particles.count()) return;
     if (phase == 1)
       atomic_add(&shared.sum[slot], static_cast<std::uint64_t>(lane_sum(with_scan(args, *input), i, lane)));
     float& log_weight = args.rays.particles.log_weight[i];
@@ -70,8 +70,8 @@ struct WeightGroup {  // a block weighs kParticlesPerBlock particles
 
 void weight(const WeightArgs& args, const StepInput* input, Stream stream) {
   constexpr std::size_t kPerLaunch = std::size_t{kMaxBlocks} * kParticlesPerBlock;
-  for (std::size_t first = 0; first < args.rays.particles.count; first += kPerLaunch) {
-    const std::size_t here = std::min(kPerLaunch, args.rays.particles.count - first);
+  for (std::size_t first = 0; first < args.rays.particles.capacity; first += kPerLaunch) {
+    const std::size_t here = std::min(kPerLaunch, args.rays.particles.capacity - first);
     launch(WeightGroup{args, input, first},
            static_cast<unsigned>((here + kParticlesPerBlock - 1) / kParticlesPerBlock), stream);
   }

@@ -22,11 +22,18 @@ Command add_run_command(CLI::App& program, const std::string& typed);
 Command add_simulate_command(CLI::App& program);
 /// `typed` is the whole command line, for the block that it prints.
 Command add_learn_command(CLI::App& program, const std::string& typed);
+Command add_locate_command(CLI::App& program);
 Command add_map_command(CLI::App& program);
 Command add_config_command(CLI::App& program);
 /// `typed` is the whole command line, for the results.
 Command add_bench_command(CLI::App& program, const std::string& typed);
+/// `typed` is the whole command line, for the results.
+Command add_evaluate_command(CLI::App& program, const std::string& typed);
 Command add_devices_command(CLI::App& program);
+
+/// Exit code of a search that found no place on the map, and of a strict run that does not know its place at
+/// the end; no error.
+inline constexpr int kExitNotFound = 7;
 
 /// Exit code of a run that was interrupted and wrote what it had: 128 + SIGINT, as shells have it.
 inline constexpr int kExitInterrupted = 130;

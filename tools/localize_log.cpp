@@ -13,6 +13,7 @@
 #include "common/filter/config_fields.h"
 #include "common/model/lidar.h"
 #include "tools/snapshots.h"
+#include "tools/tracker.h"
 
 namespace parloc::tools {
 namespace {
@@ -97,9 +98,9 @@ class ScanStream {
     return true;
   }
 
-  /// Gives the filter the odometry that was read since the last call.
-  void pass_odometry(ParticleFilter& filter) {
-    for (const StampedPose& reading : odometry_) filter.add_odometry(reading.stamp_s, reading.pose);
+  /// Gives the tracker the odometry that was read since the last call.
+  void pass_odometry(Tracker& tracker) {
+    for (const StampedPose& reading : odometry_) tracker.add_odometry(reading.stamp_s, reading.pose);
     odometry_.clear();
   }
 
@@ -129,14 +130,6 @@ StartPose start_of(const LocalizeRequest& request, double first_stamp_s) {
   throw Error(ErrorKind::usage, "no start pose: give --init x,y,theta, --init global, or --truth");
 }
 
-void start_filter(ParticleFilter& filter, const StartPose& start) {
-  if (start.anywhere) {
-    filter.start_anywhere();
-  } else {
-    filter.start_at(start.pose, start.sigma_x_m, start.sigma_y_m, start.sigma_theta_rad);
-  }
-}
-
 Error no_scan(const LocalizeRequest& request, const LogWarnings& warnings) {
   std::string message = "expected at least one scan (FLASER, RLASER or ROBOTLASER1), found none";
   if (!warnings.messages.empty()) message += fmt::format("; {}", warnings.messages.front());
@@ -145,8 +138,18 @@ Error no_scan(const LocalizeRequest& request, const LogWarnings& warnings) {
 
 StepRecord step_record(const Estimate& estimate, double stamp_s, double step_ms) {
   const double* variance = estimate.covariance.v;
-  return {stamp_s, estimate.n_eff,     std::sqrt(variance[0]), std::sqrt(variance[4]), std::sqrt(variance[8]),
-          step_ms, estimate.resampled, estimate.lost};
+  StepRecord step;
+  step.stamp_s = stamp_s;
+  step.n_eff = estimate.n_eff;
+  step.sigma_x_m = std::sqrt(variance[0]);
+  step.sigma_y_m = std::sqrt(variance[4]);
+  step.sigma_theta_rad = std::sqrt(variance[8]);
+  step.step_ms = step_ms;
+  step.resampled = estimate.resampled;
+  step.lost = estimate.lost;
+  step.particles = static_cast<double>(estimate.particles);
+  step.p_injected = estimate.p_injected;
+  return step;
 }
 
 FilterConfig filter_config(const LocalizeRequest& request) {
@@ -159,9 +162,10 @@ FilterConfig filter_config(const LocalizeRequest& request) {
 class Run {
  public:
   Run(const GridMap& map, const LocalizeRequest& request, const LogRecord& first)
-      : filter_(filter_config(request), map), start_(start_of(request, first.stamp_s)) {
+      : tracker_(filter_config(request), map, request.config.localize.health && !request.odometry_only),
+        start_(start_of(request, first.stamp_s)) {
     result_.odometry_only = request.odometry_only;
-    start_filter(filter_, start_);
+    tracker_.start(start_);
     T_map_odometry_ = compose(start_.pose, inverse(first.odometry));
     earliest_s_ = latest_s_ = first.stamp_s;
     begun_ = Clock::now();
@@ -169,44 +173,48 @@ class Run {
 
   void step(const LogRecord& record, ScanStream& scans) {
     const Clock::time_point begun = Clock::now();
-    scans.pass_odometry(filter_);
+    scans.pass_odometry(tracker_);
     last_scan_ = record.scan;
     if (result_.odometry_only) last_scan_.ranges_m.clear();  // a scan without beams moves the particles only
-    const Estimate estimate = filter_.step(record.odometry, last_scan_);
+    LocalizerEstimate judged = tracker_.step(record.odometry, last_scan_);
+    const Estimate& estimate = judged.filter;
     const double step_ms = 1e3 * seconds_since(begun);
     result_.trajectory.push_back({record.stamp_s, estimate.pose});
-    if (!start_.anywhere)
+    if (start_.known())
       result_.odometry.push_back({record.stamp_s, compose(T_map_odometry_, record.odometry)});
     result_.covariances.push_back({record.stamp_s, estimate.covariance});
     result_.steps.push_back(step_record(estimate, record.stamp_s, step_ms));
+    if (tracker_.judged()) result_.steps.back().health = judged.health;
+    result_.steps.back().searched = judged.searched;
+    result_.modes = std::move(judged.modes);
     result_.lost_steps += estimate.lost ? 1 : 0;
     ++result_.scans;
     earliest_s_ = std::min(earliest_s_, record.stamp_s);
     latest_s_ = std::max(latest_s_, record.stamp_s);
-    snapshots_.offer(filter_, estimate.pose, last_scan_);
+    snapshots_.offer(filter(), estimate.pose, last_scan_);
   }
 
-  const ParticleFilter& filter() const { return filter_; }
+  const ParticleFilter& filter() const { return tracker_.filter(); }
   std::size_t scans() const { return result_.scans; }
 
   Localization finish(const LogWarnings& warnings) {
     result_.wall_s = seconds_since(begun_);
     result_.log_s = latest_s_ - earliest_s_;
-    if (result_.scans > 0) snapshots_.finish(filter_, result_.trajectory.back().pose, last_scan_);
+    if (result_.scans > 0) snapshots_.finish(filter(), result_.trajectory.back().pose, last_scan_);
     result_.snapshots = snapshots_.take();
-    result_.filter_steps = filter_.steps();
-    result_.odometry_jumps = filter_.odometry_jumps();
-    result_.beams = filter_.beam_counts();
-    result_.lidars = filter_.lidars_used();
+    result_.filter_steps = filter().steps();
+    result_.odometry_jumps = filter().odometry_jumps();
+    result_.beams = filter().beam_counts();
+    result_.lidars = filter().lidars_used();
     result_.warnings = warnings;
-    result_.config = filter_.config();
-    result_.backend = filter_.backend_name();
-    result_.digest = filter_.digest();
+    result_.config = filter().config();
+    result_.backend = filter().backend_name();
+    result_.digest = filter().digest();
     return std::move(result_);
   }
 
  private:
-  ParticleFilter filter_;
+  Tracker tracker_;
   StartPose start_;
   Pose T_map_odometry_;
   SnapshotKeeper snapshots_;
@@ -250,6 +258,20 @@ std::string unused_lidars(const FilterConfig& config, const std::vector<LidarUse
   }
   if (without.empty()) return "";
   return fmt::format("{} in the configuration, but the log has scans of {} only", without, with);
+}
+
+ParticleNumbers particle_numbers(const std::vector<StepRecord>& steps) {
+  if (steps.empty()) return {0.0, 0.0, 0.0, 0.0};
+  ParticleNumbers n{0.0, steps.front().particles, steps.front().particles, 0.0};
+  for (const StepRecord& step : steps) {
+    n.mean += step.particles;
+    n.injected_mean += step.p_injected;
+    n.min = std::min(n.min, step.particles);
+    n.max = std::max(n.max, step.particles);
+  }
+  n.mean /= static_cast<double>(steps.size());
+  n.injected_mean /= static_cast<double>(steps.size());
+  return n;
 }
 
 StepTimes step_times(const std::vector<StepRecord>& steps) {

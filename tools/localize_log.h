@@ -1,4 +1,4 @@
-// Localizes a log: one filter step per scan, and everything that is worth knowing about it afterwards.
+// Localizes a log: one step per scan, and everything that is worth knowing about it afterwards.
 #pragma once
 
 #include <cstddef>
@@ -13,6 +13,7 @@
 #include "common/io/log.h"
 #include "common/io/report.h"
 #include "common/io/trajectory.h"
+#include "common/localize/modes.h"
 #include "common/map/grid_map.h"
 #include "tools/start_pose.h"
 
@@ -32,12 +33,13 @@ struct LocalizeRequest {
 
 struct Localization {
   Trajectory trajectory;          ///< One row per scan, in file order: the estimate at the scan.
-  Trajectory odometry;            ///< Dead reckoning from the start pose; empty for a start anywhere.
+  Trajectory odometry;            ///< Dead reckoning from the start pose; empty if it is not one.
   std::vector<StepRecord> steps;  ///< One per scan.
   std::vector<StampedCovariance> covariances;  ///< Likewise: of the estimate.
   std::vector<Snapshot> snapshots;  ///< 7 to 13 over the whole run (fewer scans: all), the last one included.
   std::size_t scans = 0;            ///< Read from the log.
   std::size_t filter_steps = 0;
+  std::vector<Mode> modes;     ///< At the end, if ambiguous then: the places that are possible.
   std::size_t lost_steps = 0;  ///< Every particle had weight zero.
   std::size_t odometry_jumps = 0;
   BeamCounts beams;              ///< Of all LiDARs.
@@ -54,10 +56,11 @@ struct Localization {
   double real_time_factor() const { return wall_s > 0.0 ? log_s / wall_s : 0.0; }
 };
 
-/// Runs the filter over the whole log. With `odometry_only` the estimate is the mean: without weights no
-/// cluster is better than another. Deterministic but for the times measured. Throws Error{input} for a log
+/// Runs the closed loop over the whole log, or the bare filter with `odometry_only` or without
+/// localize.health: then no step has a health. With `odometry_only` the estimate is the mean: without weights
+/// no cluster is better than another. Deterministic but for the times measured. Throws Error{input} for a log
 /// without a scan, a start that is not finite or not on the map, no start at all, and with `strict` at the
-/// first warning; Error{config} and Error{backend} as ParticleFilter.
+/// first warning; Error{config} and Error{backend} as Localizer.
 Localization localize_log(const GridMap& map, LogReader& log, const LocalizeRequest& request);
 
 /// One line on the LiDARs that are configured but that the log does not have; empty if there are none.
@@ -69,5 +72,11 @@ struct StepTimes {
   double median_ms, p99_ms;
 };
 StepTimes step_times(const std::vector<StepRecord>& steps);
+
+/// Over the steps: how many particles were weighed, and which share was drawn from free space.
+struct ParticleNumbers {
+  double mean, min, max, injected_mean;
+};
+ParticleNumbers particle_numbers(const std::vector<StepRecord>& steps);
 
 }  // namespace parloc::tools

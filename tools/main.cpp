@@ -54,9 +54,14 @@ int run_program(int argc, char** argv) {
   program.get_formatter()->label("REQUIRED", "(needed)");
   program.footer("parloc COMMAND --help explains a command. Exit codes: docs/exit_codes.md");
   const std::string typed = typed_command(argc, argv);
-  const std::vector<Command> commands{add_run_command(program, typed),   add_simulate_command(program),
-                                      add_learn_command(program, typed), add_map_command(program),
-                                      add_config_command(program),       add_bench_command(program, typed),
+  const std::vector<Command> commands{add_run_command(program, typed),
+                                      add_simulate_command(program),
+                                      add_learn_command(program, typed),
+                                      add_locate_command(program),
+                                      add_map_command(program),
+                                      add_config_command(program),
+                                      add_evaluate_command(program, typed),
+                                      add_bench_command(program, typed),
                                       add_devices_command(program)};
   try {
     program.parse(argc, argv);

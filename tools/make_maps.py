@@ -13,6 +13,7 @@ are, which moves walls neither inwards nor outwards on average.
 
 import math
 import pathlib
+import random
 import struct
 import zlib
 
@@ -83,12 +84,13 @@ class Floor:
             rows.append(row)
         return rows
 
-    def save(self):
+    def save(self, coarse_as_png=False):
         write_png(MAPS / "fine" / f"{self.name}.png", self.rows[::-1])
         write_yaml(MAPS / "fine" / f"{self.name}.yaml", f"{self.name}.png", FINE_M, self.origin)
         coarse = self.coarse_rows()
-        write_pgm(MAPS / f"{self.name}.pgm", coarse[::-1])
-        write_yaml(MAPS / f"{self.name}.yaml", f"{self.name}.pgm", COARSE_M, self.origin)
+        image = f"{self.name}.png" if coarse_as_png else f"{self.name}.pgm"
+        (write_png if coarse_as_png else write_pgm)(MAPS / image, coarse[::-1])
+        write_yaml(MAPS / f"{self.name}.yaml", image, COARSE_M, self.origin)
         report(self.name, coarse)
 
 
@@ -352,6 +354,58 @@ def office():
     floor.save()
 
 
+# ---- the works: 132 x 92 m of random rooms ----------------------------------------------------------------------------
+def furniture(floor, draw, left, low, right, high):
+    """Desks, boxes and pillars at random places of a room, clear of its walls."""
+    for _ in range(int(1 + (right - left) * (high - low) / 11)):
+        x, y = left + 1.1 + draw() * (right - left - 2.2), low + 1.2 + draw() * (high - low - 2.4)
+        kind = draw()
+        if kind < 0.35:
+            desk(floor, x, y, 90.0 * int(4 * draw()))
+        elif kind < 0.8:
+            floor.box(x, y, 0.4 + 1.2 * draw(), 0.4 + 0.5 * draw(), 90.0 * draw() if kind < 0.5 else 90.0 * int(2 * draw()))
+        else:
+            floor.disc(x, y, 0.15 + 0.25 * draw())
+
+
+def row_of_rooms(floor, draw, left, right, low, high, door_y):
+    """Rooms side by side, walls between them, a door each in the wall at door_y."""
+    x, doors = left, []
+    while x < right:
+        width = 3.3 + 6.7 * draw()
+        end = right if right - x - width < 3.3 else x + width
+        doors.append(x + 0.9 + draw() * (end - x - 1.8))
+        furniture(floor, draw, x, low, end, high)
+        if end < right:
+            floor.rect(end - THIN / 2, low, end + THIN / 2, high)
+        x = end
+    wall_with_doors(floor, door_y, left - THIN / 2, right + THIN / 2, doors, vertical=False)
+
+
+def works():
+    """More than 10,000 m2: five corridors, two cross corridors, and rooms of random widths on both sides."""
+    margin, width, height, draw = 0.8, 132.0, 92.4, random.Random(5).random
+    floor = Floor("works", width + 2 * margin, height + 2 * margin, origin=(-margin, -margin), fill=UNKNOWN)
+    floor.rect(0.0, 0.0, width, height)
+    floor.rect(THICK, THICK, width - THICK, height - THICK, FREE)
+    for row in range(5):                                        # a corridor between two rows of rooms each
+        low = THICK + 18.4 * row
+        deep, corridor = 6.3 + 1.9 * draw(), 1.9 + 0.9 * draw()
+        top = low + 18.33 if row < 4 else height - THICK
+        for left, right in ((THICK, 42.013), (44.317, 88.163), (90.382, width - THICK)):
+            row_of_rooms(floor, draw, left, right, low, low + deep, low + deep)
+            row_of_rooms(floor, draw, left, right, low + deep + corridor, top, low + deep + corridor)
+            for x in (left, right):                             # room walls along the cross corridors
+                if THICK < x < width - THICK:
+                    floor.rect(x - THIN / 2, low, x + THIN / 2, low + deep)
+                    floor.rect(x - THIN / 2, low + deep + corridor, x + THIN / 2, top)
+            if row < 4:
+                floor.rect(left, top, right, top + THIN)
+        for _ in range(9):
+            floor.box(1.0 + draw() * (width - 2.0), low + deep + 0.3, 0.5 + draw(), 0.4)
+    floor.save(coarse_as_png=True)
+
+
 def empty():
     """The worst case of Paz et al. 2012: no ray ends within its range. 800 x 600 free cells of 5 cm."""
     rows = [bytes([FREE]) * 800] * 600
@@ -364,4 +418,5 @@ if __name__ == "__main__":
     hall()
     hall_obstacles()
     office()
+    works()
     empty()

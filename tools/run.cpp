@@ -1,11 +1,13 @@
 // parloc run: localizes a log on a map.
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <CLI/CLI.hpp>
 #include <algorithm>
 #include <cstdio>
 #include <memory>
 #include <string>
+#include <vector>
 
 #include "common/error.h"
 #include "common/eval/metrics.h"
@@ -20,7 +22,9 @@
 #include "tools/output_folder.h"
 #include "tools/parse_number.h"
 #include "tools/progress.h"
+#include "tools/run_health.h"
 #include "tools/run_results.h"
+#include "tools/search_prior.h"
 #include "tools/text_option.h"
 
 namespace parloc::tools {
@@ -28,7 +32,9 @@ namespace {
 
 /// The command line; what was not given is empty.
 struct RunOptions {
-  std::string map, log, truth, relations, config, init, backend, device, particles, beams, seed, threads;
+  std::vector<std::string> init;
+  std::string map, log, truth, relations, config, near, heading, backend, device, particles, beams, seed,
+      threads;
   std::string out = "parloc_out";
   bool odometry_only = false, strict = false, json = false, quiet = false;
 };
@@ -39,16 +45,19 @@ void declare(CLI::App& app, RunOptions& o) {
   add_text_option(app, "--truth", o.truth, "T.tum", "True trajectory, TUM format");
   add_text_option(app, "--relations", o.relations, "R.txt", "True relations between scans");
   add_text_option(app, "--config", o.config, "C.yaml", "Settings over the defaults");
-  add_text_option(app, "--init", o.init, "START", "x,y,theta[,sx,sy,st] (m, rad) or global; else truth");
+  add_text_option(app, "--init", o.init, "START", "x,y,theta[,sx,sy,st] (again: or there), or global")
+      ->allow_extra_args(false);
+  add_text_option(app, "--near", o.near, "X,Y,R", "--init global within R of (X, Y) [m] only");
+  add_text_option(app, "--heading", o.heading, "A,T", "... and headings from A - T to A + T only [rad]");
   add_text_option(app, "--out", o.out, "DIR", "Folder for the results (parloc_out)");
   add_text_option(app, "--backend", o.backend, "WHICH", "auto, cpu or cuda");
   add_text_option(app, "--device", o.device, "D", "CUDA device, as parloc devices lists them");
-  add_text_option(app, "--particles", o.particles, "N", "1 to 16777216");
+  add_text_option(app, "--particles", o.particles, "N", "A fixed number, 1 to 16777216");
   add_text_option(app, "--beams", o.beams, "B", "Beams used of a scan, 1 to 4096");
   add_text_option(app, "--seed", o.seed, "S", "Same seed, same answer");
   add_text_option(app, "--threads", o.threads, "K", "CPU threads; 0: all cores");
   app.add_flag("--odometry-only", o.odometry_only, "Move the particles, use no scan");
-  app.add_flag("--strict", o.strict, "A broken line or beam ends the run");
+  app.add_flag("--strict", o.strict, "Broken data end the run; a doubt at its end is code 7");
   app.add_flag("--json", o.json, "Print the metrics alone, as JSON");
   app.add_flag("--quiet", o.quiet, "No progress and no summary");
 }
@@ -63,7 +72,10 @@ BackendChoice backend_choice(const std::string& name) {
 /// The configuration file with the command line on top.
 FilterConfig effective_config(const RunOptions& o) {
   FilterConfig config = o.config.empty() ? FilterConfig{} : read_config(o.config);
-  if (!o.particles.empty()) config.particles = parse_whole_number<std::int64_t>("--particles", o.particles);
+  if (!o.particles.empty()) {  // a fixed number, whatever the file says
+    config.particles = parse_whole_number<std::int64_t>("--particles", o.particles);
+    config.min_particles = config.max_particles = 0;
+  }
   if (!o.seed.empty()) config.seed = parse_whole_number<std::uint64_t>("--seed", o.seed);
   if (!o.device.empty()) config.device = parse_whole_number<int>("--device", o.device);
   if (!o.threads.empty()) config.threads = parse_whole_number<int>("--threads", o.threads);
@@ -79,6 +91,31 @@ FilterConfig effective_config(const RunOptions& o) {
     throw Error(ErrorKind::usage, e.what());
   }
   return config;
+}
+
+/// Where it starts, as far as the command line says so.
+std::optional<StartPose> start_of(const RunOptions& o, const FilterConfig& config) {
+  if (o.init.empty() && o.truth.empty()) {
+    throw Error(ErrorKind::usage, "no start pose: give --init x,y,theta, --init global, or --truth");
+  }
+  std::optional<StartPose> start;
+  if (!o.init.empty()) start = parse_start_poses(o.init, config);
+  if (o.near.empty() && o.heading.empty()) return start;
+  if (!start || !start->anywhere || !config.localize.health || o.odometry_only) {
+    throw Error(ErrorKind::usage,
+                "--near and --heading restrict a search: expected --init global, with localize.health and "
+                "without --odometry-only");
+  }
+  start->prior = parse_search_prior(o.near, o.heading);
+  return start;
+}
+
+std::string start_text(const RunOptions& o) {
+  if (o.init.empty()) return "truth";
+  std::string text = fmt::format("{}", fmt::join(o.init, "; "));
+  if (!o.near.empty()) text += " near " + o.near;
+  if (!o.heading.empty()) text += " heading " + o.heading;
+  return text;
 }
 
 constexpr const char* kTrajectory = "trajectory.tum";
@@ -108,10 +145,7 @@ int run(const RunOptions& o, const std::string& typed) {
   request.log_name = o.log;
   request.strict = o.strict;
   request.odometry_only = o.odometry_only;
-  if (!o.init.empty()) request.start = parse_start_pose(o.init, request.config);
-  if (o.init.empty() && o.truth.empty()) {
-    throw Error(ErrorKind::usage, "no start pose: give --init x,y,theta, --init global, or --truth");
-  }
+  request.start = start_of(o, request.config);
   const GridMap map = read_map(o.map);
   const std::unique_ptr<LogReader> log = open_carmen_log(o.log);
   if (!o.truth.empty()) request.truth = read_tum(o.truth);
@@ -119,8 +153,7 @@ int run(const RunOptions& o, const std::string& typed) {
       o.relations.empty() ? std::vector<Relation>{} : read_relations(o.relations);
   OutputFolder out(o.out, {kTrajectory, kMetrics, kReport, kPicture, kErrors});
 
-  RunResults results{o.map, o.log, o.truth, o.relations, typed, o.init.empty() ? "truth" : o.init,
-                     {},    {},    {},      {},          {},    {}};
+  RunResults results{o.map, o.log, o.truth, o.relations, typed, start_text(o), {}, {}, {}, {}, {}, {}};
   catch_interrupts();
   {
     Progress progress(Progress::style_here(o.quiet));
@@ -150,7 +183,10 @@ int run(const RunOptions& o, const std::string& typed) {
                out.final_path(kReport), kPicture, has_errors(results) ? "errors.png, " : "", kTrajectory,
                kMetrics);
   }
-  return results.run.interrupted ? kExitInterrupted : 0;
+  const std::string doubt = doubt_at_end(results.run);
+  if (!doubt.empty()) fmt::print(stderr, "parloc: {}\n", doubt);
+  if (results.run.interrupted) return kExitInterrupted;
+  return o.strict && !doubt.empty() ? kExitNotFound : 0;
 }
 
 }  // namespace

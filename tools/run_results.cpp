@@ -12,6 +12,7 @@
 #include <vector>
 
 #include "common/filter/config_fields.h"
+#include "tools/run_health.h"
 
 namespace parloc::tools {
 namespace {
@@ -118,6 +119,27 @@ std::vector<std::pair<const char*, std::size_t>> rejected(const BeamCounts& beam
           {"below_min", beams.below_min}};
 }
 
+/// Null for a run that was not judged.
+Json health_json(const std::optional<RunHealth>& h) {
+  if (!h) return nullptr;
+  const auto share = [&](std::size_t count) {
+    return static_cast<double>(count) / static_cast<double>(h->scans);
+  };
+  Json modes = Json::array();
+  for (const Mode& m : h->modes)
+    modes.push_back(
+        {{"x_m", m.pose.x_m}, {"y_m", m.pose.y_m}, {"theta_rad", m.pose.theta_rad}, {"weight", m.weight}});
+  return {{"share_tracking", share(h->tracking)},
+          {"share_ambiguous", share(h->ambiguous)},
+          {"share_lost", share(h->lost)},
+          {"searches", h->searches},
+          {"turned_lost_s", h->lost_s},
+          {"end_state", name_of(h->last.state)},
+          {"end_probability", h->last.probability},
+          {"end_evidence", h->last.evidence},
+          {"end_modes", std::move(modes)}};
+}
+
 Json lidar_json(const LidarUse& lidar) {
   Json json{{"name", lidar.name},
             {"scans", lidar.scans},
@@ -161,6 +183,13 @@ std::string speed_text(const Localization& run) {
   }
   return text;
 }
+std::string particles_text(const Localization& run) {
+  const ParticleNumbers n = particle_numbers(run.steps);
+  std::string text = fmt::format("{:.0f} in the mean, {} to {}", n.mean, n.min, n.max);
+  if (n.injected_mean > 0.0) text += fmt::format("; {:.2g} % drawn from free space", 100.0 * n.injected_mean);
+  return text;
+}
+
 /// "12 NaN, 3 zero"; empty without any.
 std::string rejected_text(const BeamCounts& beams) {
   const std::pair<const char*, std::size_t> reasons[] = {{"NaN", beams.nan},
@@ -256,9 +285,12 @@ std::vector<Fact> main_facts(const RunResults& results) {
   if (results.errors && results.errors->without_truth > 0) {
     facts.push_back({"no truth for", fmt::format("{} scans", results.errors->without_truth)});
   }
+  if (const std::optional<RunHealth> health = run_health(run))
+    facts.push_back({"health", health_text(*health)});
   if (results.relations && results.relations->compared > 0) {
     facts.push_back({"relation error", relations_text(*results.relations)});
   }
+  if (run.config.adapts_particles()) facts.push_back({"particles", particles_text(run)});
   facts.push_back({"time", speed_text(run)});
   if (!run.odometry_only) add_lidar_facts(facts, run);
   facts.push_back({"backend", run.backend});
@@ -320,6 +352,7 @@ std::string metrics_json(const RunResults& results) {
   json["nees"] = nees_json(results.consistency);
   json["odometry_only"] = run.odometry_only;
   json["odometry"] = odometry_json(results.odometry_errors);
+  json["health"] = health_json(run_health(run));
   json["relations"] = relations_json(results.relations);
   json["steps"] = run.filter_steps;
   json["scans"] = run.scans;
@@ -330,6 +363,9 @@ std::string metrics_json(const RunResults& results) {
   json["step_ms_median"] = times.median_ms;  // NaN is written as null
   json["step_ms_p99"] = times.p99_ms;
   json["real_time_factor"] = run.real_time_factor();
+  const ParticleNumbers numbers = particle_numbers(run.steps);
+  json["particles"] = {{"mean", numbers.mean}, {"min", numbers.min}, {"max", numbers.max}};
+  json["injected_mean"] = numbers.injected_mean;
   json["beams_total"] = run.beams.total;
   json["beams_considered"] = run.beams.considered;
   json["beams_used"] = run.beams.used;
@@ -359,14 +395,18 @@ RunReport run_report(const RunResults& results, const GridMap& map) {
   report.summary = main_facts(results);
   report.details = {map_facts(results, map), config_facts(run.config)};
   report.warnings = warning_lines(run);
+  if (const std::string doubt = doubt_at_end(run); !doubt.empty()) report.summary.push_back({"end", doubt});
   report.map = &map;
   report.estimate = run.trajectory;
   if (!results.truth.empty()) report.truth = results.truth;
   report.odometry = run.odometry;
   report.errors = results.errors;
   report.steps = run.steps;
-  report.particles = static_cast<double>(run.config.particles);
-  report.resample_below = run.config.resample.threshold * report.particles;
+  report.adaptive = run.config.adapts_particles();
+  if (!report.adaptive) {
+    report.particles = static_cast<double>(run.config.most_particles());
+    report.resample_below = run.config.resample.threshold * report.particles;
+  }
   report.snapshots = run.snapshots;
   report.every_cloud = run.odometry_only;
   return report;

@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <charconv>
 #include <cmath>
 #include <limits>
@@ -54,6 +55,18 @@ StartPose parse_start_pose(const std::string& text, const FilterConfig& config) 
   start.sigma_theta_rad = v.size() == 6 ? v[5] : config.initial_sigma_theta;
   if (start.sigma_x_m < 0 || start.sigma_y_m < 0 || start.sigma_theta_rad < 0) {
     throw Error(ErrorKind::usage, fmt::format("--init {}: a standard deviation must not be negative", text));
+  }
+  return start;
+}
+
+StartPose parse_start_poses(const std::vector<std::string>& texts, const FilterConfig& config) {
+  StartPose start = parse_start_pose(texts.at(0), config);
+  if (texts.size() == 1) return start;
+  for (const std::string& text : texts) {
+    const StartPose one = parse_start_pose(text, config);
+    if (one.anywhere)
+      throw Error(ErrorKind::usage, "--init global: expected no other --init, several are candidate poses");
+    start.guesses.push_back({one.pose, std::max(one.sigma_x_m, one.sigma_y_m), one.sigma_theta_rad, 1.0});
   }
   return start;
 }

@@ -1,4 +1,4 @@
-// An option of the command line that takes one text.
+// An option of the command line that takes one text, or several texts one by one.
 #pragma once
 
 #include <CLI/CLI.hpp>
@@ -6,10 +6,12 @@
 
 namespace parloc::tools {
 
-/// `value_name` stands for the value in the help. An empty value, such as an unset variable of a script
-/// leaves, is an error rather than the default.
-inline CLI::Option* add_text_option(CLI::App& app, const std::string& name, std::string& target,
-                                    const std::string& value_name, const std::string& help) {
+/// `Text` is std::string, or a vector of them for an option that may come again. `value_name` stands for the
+/// value in the help. An empty value, such as an unset variable of a script leaves, is an error rather than
+/// the default.
+template <class Text>
+CLI::Option* add_text_option(CLI::App& app, const std::string& name, Text& target,
+                             const std::string& value_name, const std::string& help) {
   const CLI::Validator not_empty(
       [](std::string& text) {
         return text.empty() ? std::string("expected a value, got nothing") : std::string();

@@ -4,6 +4,14 @@
 
 namespace parloc {
 
+void check_upload(const ParticleSet& p, const BackendConfig& config) {
+  const std::size_t n = p.x.size();
+  if (n < 1 || n > static_cast<std::size_t>(config.particles) || p.y.size() != n || p.theta.size() != n ||
+      p.log_weight.size() != n)
+    throw Error(ErrorKind::internal, "Backend::upload: expected 1 to " + std::to_string(config.particles) +
+                                         " particles, got " + std::to_string(n));
+}
+
 #if PARLOC_WITH_CUDA
 std::unique_ptr<Backend> make_backend(BackendChoice choice, const BackendConfig& config, std::string& why) {
   if (choice == BackendChoice::cpu) {

@@ -1,4 +1,4 @@
-// A backend owns the particles, the map and the scan in its memory, and runs the six stages on them.
+// A backend owns the particles, the map and the scan in its memory, and runs the stages on them.
 #pragma once
 
 #include <cstdint>
@@ -19,16 +19,27 @@ struct ParticleSet {
 
 /// Settings that a step needs besides its arguments; fixed for the life of a backend.
 struct BackendConfig {
-  std::int64_t particles = 0;
-  int threads = 0;  ///< CPU: 0 is all cores.
-  int device = 0;   ///< CUDA: index of the device.
+  std::int64_t particles = 0;  ///< The most that there can be.
+  int threads = 0;             ///< CPU: 0 is all cores.
+  int device = 0;              ///< CUDA: index of the device.
   SensorConfig sensor;
   ResampleConfig resample;
+  std::int64_t min_particles =
+      0;  ///< Fewer than `particles`: adapt() chooses their number. 0: it never does.
+  KldConfig kld{};
+  RecoveryConfig recovery{};
+
+  bool adapts() const { return min_particles > 0 && min_particles < particles; }
+  bool injects() const { return recovery.recovery_alpha_fast > 0.0; }
 };
 
-/// Calls of one step come in this order: predict, [set_scan, weight, normalise_scan], estimate, [resample],
-/// finish. Everything before finish() may be asynchronous; finish() is the only synchronisation and brings up
-/// StepState. Nothing allocates after the first step with the largest scan. Not thread-safe.
+/// Throws Error{internal} unless the arrays are of one size that fits.
+void check_upload(const ParticleSet& particles, const BackendConfig& config);
+
+/// Calls of one step come in this order: predict, [set_scan, weight, normalise_scan], estimate,
+/// [adapt, resample], finish. Everything before finish() may be asynchronous; finish() is the only
+/// synchronisation and brings up StepState. Nothing allocates after the first step with the largest scan. Not
+/// thread-safe.
 class Backend {
  public:
   virtual ~Backend() = default;
@@ -39,7 +50,8 @@ class Backend {
   /// Table of the likelihood field, whose scale depends on the sensor's maximum range. Called when that
   /// changes.
   virtual void set_range_max(double range_max_m) = 0;
-  virtual void upload(ParticleSet particles) = 0;
+  /// As many as there are to be; at most BackendConfig::particles.
+  virtual void upload(const ParticleSet& particles) = 0;
   virtual ParticleSet download() const = 0;  ///< After finish().
 
   virtual void predict(const MotionStep& motion, RandomKey key) = 0;
@@ -51,10 +63,14 @@ class Backend {
   virtual void weight(bool fused) = 0;
   virtual void normalise_scan() = 0;
   virtual void estimate() = 0;
+  /// Chooses how many particles resample() makes; `all`: if it makes any, as many as there can be. Nothing
+  /// for a fixed number.
+  virtual void adapt(RandomKey key, bool all) = 0;
   virtual void resample(RandomKey key) = 0;
   virtual StepState finish() = 0;
 
-  /// What the last normalise_scan and resample made, after finish(); for tests.
+  /// What the last normalise_scan and resample made, after finish(); for tests. Of the particles that there
+  /// were (weights, cumulative) and that there are now (ancestors; kNoAncestor where one was injected).
   virtual std::vector<std::uint64_t> weights() const = 0;
   virtual std::vector<std::uint64_t> cumulative() const = 0;
   virtual std::vector<std::uint32_t> ancestors() const = 0;

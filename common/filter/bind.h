@@ -1,8 +1,11 @@
 // From settings and arrays to stage arguments: the same for every backend, whatever space the arrays are in.
 #pragma once
 
+#include "common/filter/kld.h"
 #include "common/filter/stages.h"
 #include "common/map/grid_map.h"
+#include "common/math/normal_quantile.h"
+#include "common/math/portable64.h"
 #include "common/model/beams.h"
 
 namespace parloc {
@@ -61,6 +64,12 @@ inline float bind_tempering(const SensorConfig& c, const ScanShape& scan) {
              : 1.0f;
 }
 
+/// Independent beams that a scan counts for.
+inline float bind_scan_worth(const SensorConfig& c, const ScanShape& scan) {
+  const std::size_t beams = casts_rays(c.model) ? scan.count : scan.hits;
+  return bind_tempering(c, scan) * static_cast<float>(beams);
+}
+
 /// What the models that ask all particles about a beam need besides.
 struct JudgeArrays {
   const std::uint32_t* squared_cells = nullptr;  ///< Null for models that cast rays.
@@ -81,9 +90,41 @@ inline WeightArgs bind_weight(const RayTraceArgs& rays, const LikelihoodField& f
           judge.state};
 }
 
+inline RecoveryRates bind_recovery(const RecoveryConfig& c) {
+  if (c.recovery_alpha_slow <= 0.0 || c.recovery_alpha_fast <= 0.0) return {};
+  return {true,
+          portable_log64(c.recovery_alpha_slow),
+          portable_log64(1.0 - c.recovery_alpha_slow),
+          portable_log64(c.recovery_alpha_fast),
+          portable_log64(1.0 - c.recovery_alpha_fast),
+          portable_log64(c.recovery_margin)};
+}
+
 inline NormaliseArgs bind_normalise(const Particles& particles, const Weights& weights,
-                                    const ResampleConfig& resample, StepState* state) {
-  return {particles, weights, resample.threshold, resample.threshold >= 1.0, state};
+                                    const ResampleConfig& resample, StepState* state,
+                                    const RecoveryRates& recovery, const float* scan_worth) {
+  return {particles, weights, resample.threshold, resample.threshold >= 1.0, state, recovery, scan_worth};
+}
+
+/// A full turn has a whole number of bins, 1 to 4096.
+inline KldRule bind_kld(const KldConfig& c, std::int64_t fewest, std::int64_t most) {
+  const double turn_rad = 2.0 * kPi;
+  const double headings = __builtin_floor(turn_rad / c.bin_size_theta + 0.5);
+  const std::int32_t bins =
+      headings < 1.0 ? 1 : (headings > 4096.0 ? 4096 : static_cast<std::int32_t>(headings));
+  return {c.pf_z > 0.0 ? c.pf_z : normal_quantile(1.0 - c.delta),
+          c.pf_err,
+          static_cast<std::uint32_t>(fewest),
+          static_cast<std::uint32_t>(most),
+          static_cast<float>(1.0 / c.bin_size_xy),
+          static_cast<float>(static_cast<double>(bins) / turn_rad),
+          bins};
+}
+
+/// `cell`: the map's free cells (common/filter/start.h) in the backend's space.
+inline FreeSpace bind_free_space(const std::uint32_t* cell, std::size_t count, const GridMap& map) {
+  return {cell, static_cast<std::uint32_t>(count), static_cast<std::uint32_t>(map.width),
+          static_cast<float>(map.resolution_m)};
 }
 
 }  // namespace parloc

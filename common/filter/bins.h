@@ -78,6 +78,12 @@ PARLOC_HD std::uint32_t bin_find_or_make(const BinTable& t, std::uint64_t key) {
   }
 }
 
+/// Empties the table, on one thread.
+PARLOC_HD void bin_clear_used(const BinTable& t) {
+  for (std::uint64_t k = 0; k < *t.used_count; ++k) bin_clear(t, t.used[k]);
+  *t.used_count = 0;
+}
+
 /// The slot of `key`, or capacity if there is no such bin.
 PARLOC_HD std::uint32_t bin_find(const BinTable& t, std::uint64_t key) {
   for (std::uint32_t slot = bin_hash(key, t.capacity);; slot = bin_after(slot, t.capacity)) {

@@ -1,4 +1,5 @@
-// Every setting of the particle filter, with its default. The only place where a default is written.
+// Every setting of the particle filter, with its default. The only place where a default is written, but for
+// those of the search (common/search/search_config.h).
 // common/io/config.h reads and prints these as YAML; common/filter/config_fields.h lists their names and
 // limits.
 #pragma once
@@ -7,6 +8,9 @@
 #include <optional>
 #include <string>
 #include <vector>
+
+#include "common/filter/backend_choice.h"
+#include "common/search/search_config.h"
 
 namespace parloc {
 
@@ -104,15 +108,43 @@ struct ResampleConfig {
   double threshold = 0.5;  ///< Resample when N_eff < threshold * N; 1 or more: every step.
 };
 
+/// How many particles are enough (Fox 2003). As many as keep the distance between the particles and what they
+/// stand for below pf_err with probability 1 - delta, given how many bins of poses they occupy.
+struct KldConfig {
+  double pf_err = 0.05;            ///< Kullback-Leibler distance [nat].
+  double delta = 0.01;             ///< Probability of a larger one.
+  double pf_z = 0.0;               ///< Above 0: the normal quantile itself, as in nav2, in place of delta.
+  double bin_size_xy = 0.5;        ///< [m]
+  double bin_size_theta = 0.1745;  ///< [rad]; rounded so that a full turn is a whole number of bins.
+};
+
+/// What helps a filter that has lost its robot.
+struct RecoveryConfig {
+  double recovery_alpha_slow = 0.0;    ///< Rates of two running means of a scan's likelihood, per scan ...
+  double recovery_alpha_fast = 0.0;    ///< ... both 0: nothing is ever drawn from free space.
+  double recovery_margin = 2.0;        ///< The fast mean may fall below the slow one by this factor.
+  double expansion_likelihood = 0.0;   ///< Likelihood per beam below which the cloud is widened; 0: never.
+  int expansion_scans = 5;             ///< So many such scans in a row.
+  double expansion_sigma_xy = 0.5;     ///< Noise of the first widening; it grows by as much each [m].
+  double expansion_sigma_theta = 0.3;  ///< [rad]
+};
+
 enum class EstimateMode { mean, cluster };
 struct EstimateConfig {
   EstimateMode mode = EstimateMode::cluster;  ///< The whole set's mean, or that of its heaviest cluster.
 };
 
-enum class BackendChoice { automatic, cpu, cuda };
+/// What surrounds the filter (common/localize/localizer.h); the filter itself knows nothing of it.
+struct LocalizeConfig {
+  bool health = true;  ///< Judge every estimate. Without it there is no search either.
+  bool recover =
+      true;  ///< Search the map when lost, and for rivals while it is not sure. Else it only says so.
+};
 
 struct FilterConfig {
-  std::int64_t particles = 2000;  ///< 1 to 16,777,216.
+  std::int64_t particles = 2000;   ///< 1 to 16,777,216.
+  std::int64_t min_particles = 0;  ///< Below max_particles: their number adapts. 0: max_particles.
+  std::int64_t max_particles = 0;  ///< 0: particles.
   std::uint64_t seed = 1;
   BackendChoice backend = BackendChoice::automatic;
   int threads = 0;                   ///< 0: all cores.
@@ -125,8 +157,16 @@ struct FilterConfig {
   ScanConfig scan;
   SensorConfig sensor;
   ResampleConfig resample;
+  KldConfig kld;
+  RecoveryConfig recovery;
   EstimateConfig estimate;
+  LocalizeConfig localize;
+  SearchConfig search;              ///< Its backend, threads and device are those above.
   std::vector<LidarConfig> lidars;  ///< May be empty; in no order.
+
+  std::int64_t most_particles() const { return max_particles > 0 ? max_particles : particles; }
+  std::int64_t fewest_particles() const { return min_particles > 0 ? min_particles : most_particles(); }
+  bool adapts_particles() const { return fewest_particles() < most_particles(); }
 };
 
 }  // namespace parloc

@@ -47,12 +47,16 @@ inline constexpr FieldGroup kLidars{
     "lidars",
     "What the log does not say of a LiDAR, or says wrongly: an entry for each, by its name in the log."};
 
-inline constexpr std::array<FieldGroup, 5> kFieldGroups{{
+inline constexpr std::array<FieldGroup, 9> kFieldGroups{{
     {"motion", "How the robot moves: odometry motion model."},
     {"scan", "Which beams of a scan are used, and what their values mean."},
     {"sensor", "How well a scan fits the map at a pose. Each model uses the keys it knows."},
     {"resample", "When and how particles are drawn anew."},
+    {"kld", "How many particles are enough, where min_particles is below max_particles (KLD-sampling)."},
+    {"recovery", "What helps a filter that has lost its robot. Off by default."},
     {"estimate", "Which pose is reported."},
+    {"localize", "What watches the filter, and what is done when it is lost (docs/localize.md)."},
+    {"search", "The search of the whole map (docs/locate.md)."},
 }};
 
 inline constexpr std::array<Choice<BackendChoice>, 3> kBackends{
@@ -91,6 +95,10 @@ void visit_fields(Config& c, Visitor&& visit) {
   using Real = Limits<double>;
   using Int = Limits<int>;
   visit(Field{"", "particles", "Number of particles"}, c.particles, Limits<std::int64_t>{1, 16'777'216});
+  visit(Field{"", "min_particles", "Fewest, if the number is to adapt; 0: max_particles"}, c.min_particles,
+        Limits<std::int64_t>{0, 16'777'216});
+  visit(Field{"", "max_particles", "Most, and the number at the start; 0: as particles"}, c.max_particles,
+        Limits<std::int64_t>{0, 16'777'216});
   visit(Field{"", "seed", "Seed of all random numbers: same seed, same answer"}, c.seed,
         Limits<std::uint64_t>{0, std::numeric_limits<std::uint64_t>::max()});
   visit(Field{"", "backend", "auto takes a CUDA device if there is one"}, c.backend, kBackends);
@@ -182,8 +190,45 @@ void visit_fields(Config& c, Visitor&& visit) {
   visit(Field{"resample", "threshold", "Draw when N_eff < threshold * N; 1 or more: every step"},
         c.resample.threshold, Real{0, 1000});
 
+  auto& k = c.kld;
+  visit(Field{"kld", "pf_err", "Distance between the particles and what they stand for [nat]"}, k.pf_err,
+        Real{0.0001, 1});
+  visit(Field{"kld", "delta", "Probability of a larger distance"}, k.delta, Real{1e-6, 0.5});
+  visit(Field{"kld", "pf_z", "The normal quantile 1 - delta itself, as nav2 has it; 0: from delta"}, k.pf_z,
+        Real{0, 5});
+  visit(Field{"kld", "bin_size_xy", "Side of a bin of poses [m]"}, k.bin_size_xy, Real{0.01, 100});
+  visit(Field{"kld", "bin_size_theta", "... and its heading; a full turn has a whole number of them [rad]"},
+        k.bin_size_theta, Real{0.01, 6.2832});
+
+  auto& r = c.recovery;
+  visit(Field{"recovery", "recovery_alpha_slow", "Rate of the slow mean of a scan's likelihood; 0: off"},
+        r.recovery_alpha_slow, Real{0, 0.99});
+  visit(Field{"recovery", "recovery_alpha_fast", "... of the fast one: below the slow, free space is tried"},
+        r.recovery_alpha_fast, Real{0, 0.99});
+  visit(Field{"recovery", "recovery_margin", "... by so many times; 1: as soon as it is below (nav2)"},
+        r.recovery_margin, Real{1, 1000});
+  visit(Field{"recovery", "expansion_likelihood", "Likelihood per beam that widens the cloud; 0: off"},
+        r.expansion_likelihood, Real{0, 1000});
+  visit(Field{"recovery", "expansion_scans", "... after so many scans below it in a row"}, r.expansion_scans,
+        Int{1, 100000});
+  visit(Field{"recovery", "expansion_sigma_xy", "Noise of the first widening; grows by as much each [m]"},
+        r.expansion_sigma_xy, Real{0, 100});
+  visit(Field{"recovery", "expansion_sigma_theta", "... of the heading [rad]"}, r.expansion_sigma_theta,
+        Real{0, 10});
+
   visit(Field{"estimate", "mode", "The mean of all particles, or of their heaviest cluster"}, c.estimate.mode,
         kEstimateModes);
+
+  visit(Field{"localize", "health", "Say how sure the pose is; false: the bare filter, without any search"},
+        c.localize.health);
+  visit(Field{"localize", "recover", "Search the map when lost; false: only say so"}, c.localize.recover);
+
+  visit(Field{"search", "cell_m", "Finer cells of the map are put together to such [m]"}, c.search.cell_m,
+        Real{0, 10, true});
+  visit(Field{"search", "beams", "Hits that the exhaustive part looks at"}, c.search.beams, Int{1, 256});
+  visit(Field{"search", "least_score", "How close hits end to walls, 0 to 1: below it a place is none"},
+        c.search.least_score, Real{0, 1});
+  visit(Field{"search", "candidates", "Places that rays are cast for"}, c.search.candidates, Int{10, 10000});
 }
 
 /// The same for one LiDAR's settings, most of which are optional: (Field, optional<number>&, Limits<number>),

@@ -23,13 +23,16 @@ PARLOC_HD bool judges_beams(const WeightArgs& a) {
 /// A predictive density needs no more particles than this, and rays are dear; counts are of all.
 constexpr std::size_t kMostClassVoters = 512;
 
+/// At most so many of n particles vote.
+PARLOC_HD std::size_t voters_of(SensorModel model, std::size_t n) {
+  return model == SensorModel::class_conditional && n > kMostClassVoters ? kMostClassVoters : n;
+}
 PARLOC_HD std::size_t voters(const WeightArgs& a) {
-  const std::size_t n = a.rays.particles.count;
-  return a.model == SensorModel::class_conditional && n > kMostClassVoters ? kMostClassVoters : n;
+  return voters_of(a.model, a.rays.particles.count());
 }
 /// Slot of voter k: evenly spaced.
 PARLOC_HD std::size_t voter_slot(const WeightArgs& a, std::size_t k) {
-  return k * a.rays.particles.count / voters(a);
+  return k * a.rays.particles.count() / voters(a);
 }
 
 constexpr float kVoteScale = 1048576.0f;  // votes per voter of full weight at the mixture's peak

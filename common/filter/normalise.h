@@ -1,6 +1,7 @@
 // From log-weights to fixed-point weights and the decision to resample (SPEC 3.2, 5.1, 5.4).
 #pragma once
 
+#include "common/filter/recovery.h"
 #include "common/filter/stages.h"
 #include "common/math/fixed_point.h"
 
@@ -26,13 +27,26 @@ PARLOC_HD std::uint64_t normalise_one(float& log_weight, const StepState& state,
   return q;
 }
 
-/// N_eff = total^2 / sum(q^2) and the decision, from sums that no thread schedule can change.
-PARLOC_HD void decide_resampling(StepState& state, double squares, std::size_t count, double threshold,
-                                 bool always) {
-  const double total = static_cast<double>(state.total);
-  state.n_eff = total * total / squares;
-  const bool few = total * total < threshold * static_cast<double>(count) * squares;
-  state.resample = always || few ? 1u : 0u;
+/// What the whole set makes of its weights: N_eff = total^2 / sum(q^2), the likelihood of the scan, and the
+/// decision to resample. From sums that no thread schedule can change; on one thread.
+PARLOC_HD void finish_normalising(const NormaliseArgs& a, std::uint64_t total, double squares) {
+  StepState& state = *a.state;
+  const std::size_t count = a.particles.count();
+  if (*a.scan_worth > 0.0f) {
+    // After resampling, and at the start, log-weights are 0.
+    const bool uniform = state.resample != 0 || state.total == 0;
+    const std::uint64_t before =
+        uniform ? std::uint64_t{count} << weight_bits(a.particles.capacity) : state.total;
+    average_likelihood(state.likelihood, scan_log_likelihood(state, total, before, *a.scan_worth),
+                       a.recovery);
+  }
+  state.inject = *a.scan_worth > 0.0f ? injected_share(state.likelihood, a.recovery) : 0.0;
+  state.count = state.next_count = static_cast<std::uint32_t>(count);
+  state.total = total;
+  const double t = static_cast<double>(total);
+  state.n_eff = t * t / squares;
+  const bool few = t * t < a.threshold * static_cast<double>(count) * squares;
+  state.resample = a.always || few || state.inject > 0.0 ? 1u : 0u;
 }
 
 }  // namespace parloc

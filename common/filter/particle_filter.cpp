@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <optional>
+#include <utility>
 
 #include "common/error.h"
 #include "common/filter/backend.h"
@@ -52,6 +53,9 @@ Estimate to_estimate(const StepState& s, const FilterConfig& config, const Pose&
   e.pose = chosen.mean;
   e.covariance = chosen.covariance;
   e.n_eff = s.n_eff;
+  e.particles = s.count;
+  e.p_injected = weighted ? s.inject : 0.0;
+  e.beam_likelihood = s.likelihood.scans > 0 ? portable_exp64(s.likelihood.scan) : 0.0;
   e.weighted = weighted;
   e.resampled = weighted && s.resample != 0;
   e.lost = weighted && s.degenerate != 0;
@@ -92,6 +96,8 @@ struct ParticleFilter::State {
   std::optional<Pose> odometry;    // at the last processed step
   Estimate last;
   std::size_t jumps = 0, invalid = 0, steps = 0;
+  int unlikely_scans = 0;  // in a row, up to the last one
+  int widenings_due = 0;   // in units of the configured noise, in the next step
   bool started = false;
   Sha256 estimates;
 
@@ -100,6 +106,8 @@ struct ParticleFilter::State {
   std::size_t lidar_of(const Scan& scan);
   bool gated(const std::optional<Pose>& before, const Pose& now) const;
   MotionStep motion(const OdometryIncrement& u);
+  bool may_widen_next() const;
+  void watch_likelihood(const Estimate& e);
   bool take_in(const Scan& scan, std::size_t lidar);
   void remember(const Estimate& e);
 };
@@ -112,6 +120,7 @@ void ParticleFilter::State::begin(ParticleSet set) {
   lidars.clear();
   last = {};
   jumps = invalid = steps = 0;
+  unlikely_scans = widenings_due = 0;
   estimates = {};
   started = true;
 }
@@ -136,7 +145,27 @@ MotionStep ParticleFilter::State::motion(const OdometryIncrement& u) {
   const double length_m = std::fabs(u.trans_m);
   const bool jump = length_m > config.motion.max_jump_m;
   if (jump) ++jumps;
-  return motion_step(u, config.motion, jump ? length_m / config.motion.max_jump_m : 1.0);
+  MotionStep step = motion_step(u, config.motion, jump ? length_m / config.motion.max_jump_m : 1.0);
+  const double widenings = std::exchange(widenings_due, 0);
+  step.spread_xy = static_cast<float>(widenings * config.recovery.expansion_sigma_xy);
+  step.spread_theta = static_cast<float>(widenings * config.recovery.expansion_sigma_theta);
+  return step;
+}
+
+/// Expansion resetting (Ueda et al. 2004): after some unlikely scans in a row the cloud is widened where it
+/// is, after as many more by twice as much, and so on. In between it has time to settle on the robot.
+void ParticleFilter::State::watch_likelihood(const Estimate& e) {
+  const RecoveryConfig& c = config.recovery;
+  constexpr int kMostWidenings = 10;
+  unlikely_scans = e.beam_likelihood < c.expansion_likelihood ? unlikely_scans + 1 : 0;
+  if (unlikely_scans > 0 && unlikely_scans % c.expansion_scans == 0)
+    widenings_due = std::min(unlikely_scans / c.expansion_scans, kMostWidenings);
+}
+
+/// If the scan of now is unlikely too.
+bool ParticleFilter::State::may_widen_next() const {
+  const RecoveryConfig& c = config.recovery;
+  return c.expansion_likelihood > 0.0 && (unlikely_scans + 1) % c.expansion_scans == 0;
 }
 
 /// Fills `beams`; whether there are enough of them to weigh.
@@ -173,6 +202,7 @@ bool ParticleFilter::State::take_in(const Scan& scan, std::size_t lidar) {
 void ParticleFilter::State::remember(const Estimate& e) {
   for (const double v : {e.pose.x_m, e.pose.y_m, e.pose.theta_rad, e.n_eff}) estimates.add(v);
   for (const double v : e.covariance.v) estimates.add(v);
+  if (e.weighted) watch_likelihood(e);
   last = e;
 }
 
@@ -182,8 +212,10 @@ ParticleFilter::ParticleFilter(const FilterConfig& config, const GridMap& map)
   if (!has_free_cell(map)) throw Error(ErrorKind::input, map.name + ": the map has no free cell");
   state_->map = map;
   std::string why;
-  state_->backend = make_backend(
-      config.backend, {config.particles, config.threads, config.device, config.sensor, config.resample}, why);
+  state_->backend = make_backend(config.backend,
+                                 {config.most_particles(), config.threads, config.device, config.sensor,
+                                  config.resample, config.fewest_particles(), config.kld, config.recovery},
+                                 why);
   state_->backend->set_map(map);
 }
 
@@ -204,12 +236,46 @@ void ParticleFilter::start_at(const Pose& pose, double sigma_x_m, double sigma_y
     if (!(sigma >= 0) || !std::isfinite(sigma))
       throw Error(ErrorKind::input,
                   "start pose: expected standard deviations that are finite and not negative");
-  s.begin(
-      gaussian_start(s.map, pose, sigma_x_m, sigma_y_m, sigma_theta_rad, s.config.particles, s.config.seed));
+  s.begin(gaussian_start(s.map, pose, sigma_x_m, sigma_y_m, sigma_theta_rad, s.config.most_particles(),
+                         s.config.seed));
 }
 
 void ParticleFilter::start_anywhere() {
-  state_->begin(uniform_start(state_->map, state_->config.particles, state_->config.seed));
+  state_->begin(uniform_start(state_->map, state_->config.most_particles(), state_->config.seed));
+}
+
+namespace {
+
+void check(const std::vector<PoseGuess>& guesses) {
+  const auto usable = [](const PoseGuess& g) {
+    return finite(g.pose) && g.sigma_xy_m >= 0 && std::isfinite(g.sigma_xy_m) && g.sigma_theta_rad >= 0 &&
+           std::isfinite(g.sigma_theta_rad) && g.weight > 0 && std::isfinite(g.weight);
+  };
+  if (guesses.empty() || !std::all_of(guesses.begin(), guesses.end(), usable))
+    throw Error(ErrorKind::input, "start: expected guesses that are finite, with weights above 0");
+}
+
+}  // namespace
+
+void ParticleFilter::start_at(const std::vector<PoseGuess>& guesses) {
+  check(guesses);
+  State& s = *state_;
+  s.begin(mixture_start(s.map, guesses, s.config.most_particles(), s.config.seed, 0));
+}
+
+void ParticleFilter::relocate(const std::vector<PoseGuess>& guesses, const Pose& odometry) {
+  check(guesses);
+  State& s = *state_;
+  const auto step = static_cast<std::uint32_t>(s.steps);
+  s.backend->upload(mixture_start(s.map, guesses, s.config.most_particles(), s.config.seed, step));
+  s.odometry = odometry;
+  for (LidarState& lidar : s.lidars) lidar.odometry.reset();  // the next scan counts, however near
+  s.last = {};
+  s.started = true;
+}
+
+void ParticleFilter::set_seed(std::uint64_t seed) {
+  state_->config.seed = seed;
 }
 
 void ParticleFilter::add_odometry(double stamp_s, const Pose& odometry) {
@@ -242,8 +308,11 @@ Estimate ParticleFilter::step(const Pose& odometry, const Scan& scan) {
     s.backend->weight(true);  // algorithms 1 and 3, fused
   }
   s.backend->normalise_scan();
-  s.backend->estimate();                       // eq. 13, with a circular mean; before resampling
-  if (weighted) s.backend->resample(s.key());  // algorithm 4, when N_eff asks for it
+  s.backend->estimate();  // eq. 13, with a circular mean; before resampling
+  if (weighted) {
+    s.backend->adapt(s.key(), s.may_widen_next());  // Fox 2003, where the number of particles is not fixed
+    s.backend->resample(s.key());                   // algorithm 4, when N_eff or the scans ask for it
+  }
   const Estimate e = to_estimate(s.backend->finish(), s.config, s.map.T_map_grid, weighted);
   s.remember(e);
   ++s.steps;
@@ -268,6 +337,18 @@ std::vector<Particle> ParticleFilter::particles(std::size_t most) const {
   return out;
 }
 
+BeamTable ParticleFilter::beams(const Scan& scan) const {
+  const State& s = *state_;
+  const LidarSetup setup = lidar_setup(scan, s.config.scan, find_lidar(s.config.lidars, scan.sensor));
+  const bool deskew = takes_time(scan, setup) && s.track.knows_motion();
+  BeamTable beams;
+  BeamCounts counts;
+  select_beams(scan, setup, deskew ? &s.track : nullptr, s.config.sensor, s.map.resolution_m, beams, counts);
+  return beams;
+}
+const std::optional<Pose>& ParticleFilter::odometry() const {
+  return state_->odometry;
+}
 BeamCounts ParticleFilter::beam_counts() const {
   BeamCounts sum;
   for (const LidarUse& lidar : state_->used) add(sum, lidar.beams);

@@ -1,19 +1,23 @@
 // The bootstrap particle filter: predict, weight, normalise, estimate, resample (Paz et al. 2012, algorithm
-// 2).
+// 2), and what makes it adaptive: KLD-sampling, augmented recovery, expansion resetting.
 #pragma once
 
 #include <cstdint>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
 #include "common/filter/config.h"
+#include "common/filter/pose_guess.h"
 #include "common/io/log.h"
 #include "common/map/grid_map.h"
 #include "common/math/pose.h"
 #include "common/model/beam_counts.h"
 
 namespace parloc {
+
+struct BeamTable;
 
 /// 3x3 covariance of (x, y, theta), row-major, symmetric [m^2, m rad, rad^2].
 struct Covariance {
@@ -35,7 +39,10 @@ struct Estimate {
   PoseEstimate mean;      ///< All particles.
   PoseEstimate cluster;   ///< The heaviest connected cluster of 0.5 m x 0.5 m x 10 degree bins.
   double n_eff = 0.0;
-  bool weighted = false;  ///< A scan was used (else prediction only).
+  std::size_t particles = 0;     ///< That were weighed: where their number adapts, it differs by step.
+  double p_injected = 0.0;       ///< Share of the next particles that is drawn from free space.
+  double beam_likelihood = 0.0;  ///< Of the last scan used: geometric mean over its beams; 0: none yet.
+  bool weighted = false;         ///< A scan was used (else prediction only).
   bool resampled = false;
   bool lost = false;               ///< Every particle had weight zero: weights were made uniform.
   bool ambiguous_heading = false;  ///< The mean's heading is undefined; the cluster's was taken.
@@ -62,6 +69,15 @@ class ParticleFilter {
   /// Uniform over the free cells.
   void start_anywhere();
 
+  /// About several guesses, each with its share of the particles. Throws Error{input} if there is none, or
+  /// one is not finite.
+  void start_at(const std::vector<PoseGuess>& guesses);
+  /// Puts the particles there in the middle of a run, which goes on: the next step does not move them if its
+  /// odometry is this one. Throws as start_at.
+  void relocate(const std::vector<PoseGuess>& guesses, const Pose& odometry);
+  /// From the next start on.
+  void set_seed(std::uint64_t seed);
+
   /// An odometry reading between steps, in any order: how the robot moves while a scan is taken. Matters only
   /// for scans that take time, and those also know the odometry of the steps; readings up to the last beam's
   /// time, given before the step, spare it a guess.
@@ -76,6 +92,9 @@ class ParticleFilter {
   /// The particles of the last step (downloads them); at most `most`, evenly by slot. Weights are shares of
   /// all.
   std::vector<Particle> particles(std::size_t most = SIZE_MAX) const;
+  /// The beams of a scan as a step would take them, by the odometry known so far.
+  BeamTable beams(const Scan& scan) const;
+  const std::optional<Pose>& odometry() const;       ///< Of the last step.
   BeamCounts beam_counts() const;                    ///< Summed since the start, over all LiDARs.
   const std::vector<LidarUse>& lidars_used() const;  ///< By LiDAR, in the order in which they came.
   /// Where the beams of a scan ended, in the base frame at its stamp, decimation apart, by the odometry known

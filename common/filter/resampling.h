@@ -2,6 +2,7 @@
 // backend (SPEC 5.3, 5.4).
 #pragma once
 
+#include "common/filter/free_space.h"
 #include "common/filter/stages.h"
 #include "common/math/fixed_point.h"
 #include "common/math/philox.h"
@@ -71,18 +72,19 @@ PARLOC_HD std::uint64_t left_over(std::uint64_t weight, std::uint64_t n, std::ui
 
 /// The ancestor of output slot j. Not resampling: itself.
 PARLOC_HD std::uint32_t ancestor_of(const ResampleArgs& a, std::uint64_t j) {
-  const std::size_t n = a.from.count;
   if (a.state->resample == 0) return static_cast<std::uint32_t>(j);
+  const std::size_t n = a.from.count();
   if (a.scheme == ResampleScheme::residual) {
     const std::uint64_t copies = a.offspring_sum[n - 1];
     if (j < copies) return first_above(a.offspring_sum, n, j);
     const std::uint64_t left = a.remainder_sum[n - 1];
-    if (left == 0) return static_cast<std::uint32_t>(j);  // all scaled away: cannot be worse than unchanged
+    if (left == 0)
+      return static_cast<std::uint32_t>(j % n);  // all scaled away: cannot be worse than unchanged
     const std::uint32_t draw = static_cast<std::uint32_t>(j - copies);
     const std::uint64_t v = word64(philox(draw, a.key.step, Stream::residual, 0, a.key.seed));
     return first_above(a.remainder_sum, n, multiply_high(v, left));
   }
-  const std::uint64_t threshold = draw_threshold(a.scheme, j, n, a.state->total, a.key);
+  const std::uint64_t threshold = draw_threshold(a.scheme, j, a.to.count(), a.state->total, a.key);
   return a.scheme == ResampleScheme::multinomial_linear
              ? first_above_linear(a.weights.cumulative, n, threshold)
              : first_above(a.weights.cumulative, n, threshold);
@@ -94,6 +96,18 @@ PARLOC_HD void gather_one(const ResampleArgs& a, std::size_t j, std::uint32_t fr
   a.to.y[j] = a.from.y[from];
   a.to.theta[j] = a.from.theta[from];
   a.to.log_weight[j] = a.state->resample != 0 ? 0.0f : a.from.log_weight[j];
+}
+
+constexpr std::uint32_t kNoAncestor = 0xffffffffu;
+
+/// Replaces what slot j holds by a pose from free space, if its turn has come.
+PARLOC_HD void inject_one(const ResampleArgs& a, std::uint32_t j) {
+  if (!is_injected(a.free, a.state->inject, j, a.key)) return;
+  const GridPose pose = injected_pose(a.free, j, a.key);
+  a.to.x[j] = pose.x;
+  a.to.y[j] = pose.y;
+  a.to.theta[j] = pose.theta;
+  a.ancestor[j] = kNoAncestor;
 }
 
 }  // namespace parloc

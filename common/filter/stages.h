@@ -3,10 +3,11 @@
 //
 // Frame and units: particles live in the grid frame of the map (origin at its lower-left corner), float32
 // metres and radians, so that coordinates stay small. Angles in [-pi, pi). N particles (1 to 2^24), M beams
-// (0 to 4096). Storage slots never move; slot i is also the random counter of particle i. Memory: every
-// pointer is in the backend's space. The caller owns it; no stage allocates. Failure: stages do not fail on
-// data. NaN log-weights count as -inf; if all are -inf, the weights become uniform and `degenerate` is set. A
-// failing device throws Error{internal}.
+// (0 to 4096). Storage slots never move; slot i is also the random counter of particle i. N may change from
+// step to step, up to a fixed capacity: it lies in memory beside the poses, and a slot at or beyond it
+// influences nothing. Memory: every pointer is in the backend's space. The caller owns it; no stage
+// allocates. Failure: stages do not fail on data. NaN log-weights count as -inf; if all are -inf, the weights
+// become uniform and `degenerate` is set. A failing device throws Error{internal}.
 //
 // clang-format off
 // | stage          | reads                                    | writes                                              |
@@ -17,6 +18,7 @@
 // | weight         | poses, map, beams (or expected_m), shares| log_weight += tempering * sum of beams              |
 // | normalise_scan | log_weight                               | log_weight - max, weight[N], cumulative[N], state   |
 // | estimate       | poses, weight, state                     | state's moments of all and of the heaviest cluster  |
+// | adapt          | poses, cumulative, state                 | N of the other pose buffer                          |
 // | resample       | poses, weight, cumulative, state         | ancestor[N], the other pose buffer, log_weight      |
 // clang-format on
 #pragma once
@@ -36,13 +38,16 @@ namespace parloc {
 
 constexpr std::int64_t kMaxParticles = std::int64_t{1} << 24;
 
-/// Structure of arrays, N entries each.
+/// Structure of arrays, `capacity` entries each, of which the first count() are particles.
 struct Particles {
   float* x = nullptr;
   float* y = nullptr;
   float* theta = nullptr;
   float* log_weight = nullptr;
-  std::size_t count = 0;
+  std::uint32_t* live = nullptr;  ///< [1] The number of particles, 1 to capacity.
+  std::size_t capacity = 0;
+  /// In the backend's space: on the host this is for the CPU's loops, which ask once.
+  PARLOC_HD std::size_t count() const { return *live; }
 };
 
 /// Who draws random numbers in this step.
@@ -109,14 +114,25 @@ struct Moments {
          tt = 0;  ///< Covariance about the mean, heading differences wrapped.
 };
 
+/// Running means of a scan's likelihood (common/filter/recovery.h), as logarithms per beam.
+struct LikelihoodMeans {
+  double scan = 0;            ///< Of the last scan alone.
+  double slow = 0, fast = 0;  ///< Over the scans so far.
+  std::uint32_t scans = 0;    ///< 0: there has been none; else 1.
+};
+
 /// The one small struct that comes up per step.
 struct StepState {
   float max_log_weight = 0;
   std::uint32_t degenerate = 0;  ///< All weights were zero.
   std::uint32_t resample = 0;    ///< N_eff < threshold * N.
   std::uint32_t best_slot = 0;   ///< Bin-table slot of the heaviest cluster's root.
+  std::uint32_t count = 0;       ///< N of the weighed particles ...
+  std::uint32_t next_count = 0;  ///< ... and of those that resampling makes of them.
   std::uint64_t total = 0;       ///< Sum of the fixed-point weights.
   double n_eff = 0;
+  LikelihoodMeans likelihood;
+  double inject = 0;  ///< Share of the offspring that is drawn from free space instead.
   Moments all;
   Moments cluster;
 };
@@ -125,7 +141,14 @@ struct StepState {
 struct Weights {
   std::uint64_t* weight = nullptr;      ///< [N] round(exp(log_weight - max) 2^S)
   std::uint64_t* cumulative = nullptr;  ///< [N] inclusive sum
-  std::size_t count = 0;
+};
+
+/// Rates of the running means as logarithms: of what a scan adds, and of what is kept.
+struct RecoveryRates {
+  bool on = false;
+  double add_slow = 0, keep_slow = 0;
+  double add_fast = 0, keep_fast = 0;
+  double margin = 0;  ///< Logarithm of the factor by which the fast mean may be below the slow one.
 };
 
 struct NormaliseArgs {
@@ -134,14 +157,22 @@ struct NormaliseArgs {
   double threshold = 0.5;  ///< tau: resample iff total^2 < tau N sum(q^2), i.e. N_eff < tau N.
   bool always = false;     ///< Resample in any case.
   StepState* state = nullptr;
+  RecoveryRates recovery;
+  const float* scan_worth = nullptr;  ///< [1] Independent beams that the scan counts for; 0: no scan.
 };
 
-/// Hash table of occupied pose bins (common/filter/bins.h).
-struct BinTable;
+/// The free cells of the map, for poses drawn anywhere; none if nothing is ever drawn.
+struct FreeSpace {
+  const std::uint32_t* cell = nullptr;  ///< [count] row-major
+  std::uint32_t count = 0;
+  std::uint32_t width = 0;
+  float resolution_m = 0;
+};
 
 struct ResampleArgs {
   Particles from;
-  Particles to;  ///< The other poses; always written: copies when state.resample is 0. May share log_weight.
+  Particles to;  ///< The other poses, as many as `to` says; always written: copies when state.resample is 0.
+                 ///< May share log_weight.
   Weights weights;
   ResampleScheme scheme = ResampleScheme::systematic;
   RandomKey key;
@@ -149,6 +180,7 @@ struct ResampleArgs {
   std::uint32_t* ancestor = nullptr;       ///< [N]
   std::uint64_t* offspring_sum = nullptr;  ///< [N] scratch of the residual scheme (null otherwise)
   std::uint64_t* remainder_sum = nullptr;  ///< [N] likewise
+  FreeSpace free;
 };
 
 }  // namespace parloc

@@ -1,6 +1,8 @@
 #include "common/filter/start.h"
 
 #include "common/error.h"
+#include "common/filter/bind.h"
+#include "common/filter/free_space.h"
 #include "common/math/philox.h"
 #include "common/math/portable64.h"
 
@@ -12,37 +14,60 @@ ParticleSet empty_set(std::int64_t particles) {
   return {std::vector<float>(n), std::vector<float>(n), std::vector<float>(n), std::vector<float>(n, 0.0f)};
 }
 
+/// Particle i: normals 0 to 2 are x, y, theta.
+void draw_about(const GridMap& map, const Pose& pose, double sx, double sy, double st, std::uint32_t step,
+                std::uint64_t seed, ParticleSet& set, std::size_t i) {
+  const Normals n = normals(philox(static_cast<std::uint32_t>(i), step, Stream::gaussian_start, 0, seed));
+  const Pose drawn{pose.x_m + sx * n.n[0], pose.y_m + sy * n.n[1], wrap64(pose.theta_rad + st * n.n[2])};
+  const Pose in_grid = relative(drawn, map.T_map_grid);
+  set.x[i] = static_cast<float>(in_grid.x_m);
+  set.y[i] = static_cast<float>(in_grid.y_m);
+  set.theta[i] = wrap(static_cast<float>(in_grid.theta_rad));
+}
+
 }  // namespace
 
 ParticleSet gaussian_start(const GridMap& map, const Pose& pose, double sx, double sy, double st,
                            std::int64_t particles, std::uint64_t seed) {
   ParticleSet set = empty_set(particles);
+  for (std::size_t i = 0; i < set.x.size(); ++i) draw_about(map, pose, sx, sy, st, 0, seed, set, i);
+  return set;
+}
+
+ParticleSet mixture_start(const GridMap& map, const std::vector<PoseGuess>& guesses, std::int64_t particles,
+                          std::uint64_t seed, std::uint32_t step) {
+  double total = 0.0;
+  for (const PoseGuess& g : guesses) total += g.weight;
+  ParticleSet set = empty_set(particles);
+  std::size_t guess = 0;
+  double up_to = guesses[0].weight;  // of the guesses so far
   for (std::size_t i = 0; i < set.x.size(); ++i) {
-    const Normals n = normals(philox(static_cast<std::uint32_t>(i), 0, Stream::gaussian_start, 0, seed));
-    const Pose drawn{pose.x_m + sx * n.n[0], pose.y_m + sy * n.n[1], wrap64(pose.theta_rad + st * n.n[2])};
-    const Pose in_grid = relative(drawn, map.T_map_grid);
-    set.x[i] = static_cast<float>(in_grid.x_m);
-    set.y[i] = static_cast<float>(in_grid.y_m);
-    set.theta[i] = wrap(static_cast<float>(in_grid.theta_rad));
+    const double at = (static_cast<double>(i) + 0.5) / static_cast<double>(set.x.size()) * total;
+    while (at > up_to && guess + 1 < guesses.size()) up_to += guesses[++guess].weight;
+    const PoseGuess& g = guesses[guess];
+    draw_about(map, g.pose, g.sigma_xy_m, g.sigma_xy_m, g.sigma_theta_rad, step, seed, set, i);
   }
   return set;
 }
 
-ParticleSet uniform_start(const GridMap& map, std::int64_t particles, std::uint64_t seed) {
-  std::vector<std::uint32_t> free_cells;
+std::vector<std::uint32_t> free_cells(const GridMap& map) {
+  std::vector<std::uint32_t> cells;
   for (std::size_t c = 0; c < map.size(); ++c)
-    if (map.cells[c] == Cell::free) free_cells.push_back(static_cast<std::uint32_t>(c));
-  if (free_cells.empty()) throw Error(ErrorKind::input, map.name + ": the map has no free cell to start in");
+    if (map.cells[c] == Cell::free) cells.push_back(static_cast<std::uint32_t>(c));
+  if (cells.empty()) throw Error(ErrorKind::input, map.name + ": the map has no free cell to start in");
+  return cells;
+}
+
+ParticleSet uniform_start(const GridMap& map, std::int64_t particles, std::uint64_t seed) {
+  const std::vector<std::uint32_t> cells = free_cells(map);
+  const FreeSpace free = bind_free_space(cells.data(), cells.size(), map);
   ParticleSet set = empty_set(particles);
-  const float resolution_m = static_cast<float>(map.resolution_m);
-  const auto width = static_cast<std::uint32_t>(map.width);
   for (std::size_t i = 0; i < set.x.size(); ++i) {
-    const Philox4x32 r = philox(static_cast<std::uint32_t>(i), 0, Stream::uniform_start, 0, seed);
-    const std::uint32_t cell =
-        free_cells[uniform_below(r.w[0], static_cast<std::uint32_t>(free_cells.size()))];
-    set.x[i] = (static_cast<float>(cell % width) + uniform_unit(r.w[1])) * resolution_m;
-    set.y[i] = (static_cast<float>(cell / width) + uniform_unit(r.w[2])) * resolution_m;
-    set.theta[i] = wrap(fused(6.28318548f, uniform_unit(r.w[3]), -3.14159274f));
+    const GridPose pose =
+        free_pose(free, philox(static_cast<std::uint32_t>(i), 0, Stream::uniform_start, 0, seed));
+    set.x[i] = pose.x;
+    set.y[i] = pose.y;
+    set.theta[i] = pose.theta;
   }
   return set;
 }

@@ -2,8 +2,10 @@
 #pragma once
 
 #include <cstdint>
+#include <vector>
 
 #include "common/filter/backend.h"
+#include "common/filter/pose_guess.h"
 #include "common/map/grid_map.h"
 
 namespace parloc {
@@ -12,6 +14,14 @@ namespace parloc {
 /// map's axes.
 ParticleSet gaussian_start(const GridMap& map, const Pose& pose_in_map, double sigma_x_m, double sigma_y_m,
                            double sigma_theta_rad, std::int64_t particles, std::uint64_t seed);
+
+/// Gaussians about several guesses, each with its share of the particles. `step` tells draws of one run
+/// apart.
+ParticleSet mixture_start(const GridMap& map, const std::vector<PoseGuess>& guesses, std::int64_t particles,
+                          std::uint64_t seed, std::uint32_t step);
+
+/// Row-major indices of the free cells. Throws Error{input} if there are none.
+std::vector<std::uint32_t> free_cells(const GridMap& map);
 
 /// Uniform over the free cells and all headings. Throws Error{input} for a map without free cells.
 ParticleSet uniform_start(const GridMap& map, std::int64_t particles, std::uint64_t seed);

@@ -52,6 +52,24 @@ std::optional<ConfigViolation> scan_violation(const ScanConfig& scan) {
   return std::nullopt;
 }
 
+std::optional<ConfigViolation> particles_violation(const FilterConfig& c) {
+  if (c.min_particles > c.most_particles()) {
+    return ConfigViolation{
+        "min_particles",
+        fmt::format("min_particles ({}) must not exceed {} ({})", c.min_particles,
+                    c.max_particles > 0 ? "max_particles" : "particles", c.most_particles())};
+  }
+  const double slow = c.recovery.recovery_alpha_slow, fast = c.recovery.recovery_alpha_fast;
+  const bool off = slow == 0.0 && fast == 0.0;
+  if (!off && !(slow > 0.0 && slow <= fast)) {
+    return ConfigViolation{"recovery.recovery_alpha_slow",
+                           fmt::format("recovery.recovery_alpha_slow ({}) must be above 0 and not above "
+                                       "recovery.recovery_alpha_fast ({}), or both 0",
+                                       slow, fast)};
+  }
+  return std::nullopt;
+}
+
 std::optional<ConfigViolation> lidar_violation(const FilterConfig& config, std::size_t k) {
   const LidarConfig& lidar = config.lidars[k];
   const std::string group = lidar_group(lidar);
@@ -115,6 +133,7 @@ std::optional<ConfigViolation> first_violation(const FilterConfig& config) {
   visit_fields(config, check);
   if (check.violation) return check.violation;
   if (auto violation = scan_violation(config.scan)) return violation;
+  if (auto violation = particles_violation(config)) return violation;
   for (std::size_t k = 0; k < config.lidars.size(); ++k) {
     if (auto violation = lidar_violation(config, k)) return violation;
   }

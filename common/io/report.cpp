@@ -94,7 +94,7 @@ std::vector<Fact> step_facts(const std::vector<StepRecord>& steps) {
                      number_text(percentile(times, 0.99), 3), number_text(percentile(times, 1.0), 3))});
   }
   std::string text = fmt::format("{}, resampled in {}", steps.size(), resampled);
-  if (lost > 0) text += fmt::format(", lost in {}", lost);
+  if (lost > 0) text += fmt::format(", no particle fitted in {}", lost);
   facts.push_back({"Steps", text});
   return facts;
 }

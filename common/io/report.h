@@ -9,6 +9,7 @@
 #include "common/eval/metrics.h"
 #include "common/filter/particle_filter.h"
 #include "common/io/trajectory.h"
+#include "common/localize/health.h"
 #include "common/map/grid_map.h"
 #include "common/math/pose.h"
 
@@ -35,7 +36,11 @@ struct StepRecord {
   double sigma_x_m = 0.0, sigma_y_m = 0.0, sigma_theta_rad = 0.0;  ///< Of the estimate's covariance.
   double step_ms = 0.0;                                            ///< Wall time of the step.
   bool resampled = false;
-  bool lost = false;
+  bool lost = false;               ///< Every particle had weight zero.
+  double particles = 0.0;          ///< That were weighed.
+  double p_injected = 0.0;         ///< Share of the next ones that is drawn from free space.
+  std::optional<Health> health{};  ///< Where it is judged.
+  bool searched = false;           ///< The map was searched at this step.
 };
 
 /// A line of one of the report's tables. Both are plain text: the writer escapes them.
@@ -67,7 +72,8 @@ struct RunReport {
 
   std::vector<StepRecord> steps;
   double resample_below = 0.0;  ///< N_eff under which is resampled: threshold * particles; 0: not drawn.
-  double particles = 0.0;       ///< N, the upper end of the N_eff plot; 0: not known.
+  double particles = 0.0;       ///< N, the upper end of the N_eff plot; 0: not known, or not fixed.
+  bool adaptive = false;        ///< N changes from step to step: drawn beside N_eff.
 
   std::vector<Snapshot> snapshots;  ///< In time order; 6 to 12 follow a run well, at most 24 are shown.
   bool every_cloud = false;         ///< The map shows all of them together, not only one moment's.

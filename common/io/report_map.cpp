@@ -15,17 +15,6 @@ namespace {
 constexpr std::int32_t most_map_px = 1600;
 constexpr std::size_t most_moments = 24, most_scan_points = 1000, most_path_points = 20000;
 
-/// The cells as a PNG with a clear background for free cells, so that the page's own colour shows.
-std::string map_image(const GridMap& map, const MapView& view) {
-  std::vector<std::uint8_t> pixels;
-  for (const Cell cell : raster(map, view)) pixels.push_back(static_cast<std::uint8_t>(cell));
-  const std::vector<Rgba> palette = {
-      {255, 255, 255, 0}, {25, 28, 32, 255}, {128, 128, 128, 64}};  // as enum Cell
-  return fmt::format("<image id=\"cells\" class=\"cells\" width=\"{}\" height=\"{}\" href=\"{}\"/>",
-                     view.width_px, view.height_px,
-                     png_data_uri(encode_png_palette(view.width_px, view.height_px, pixels, palette)));
-}
-
 /// A path without points that lie within a third of a pixel of the one before. Poses that cannot be drawn
 /// break it.
 std::string track_path(const Trajectory& track, const MapView& view) {
@@ -143,22 +132,6 @@ std::string map_legend(const RunReport& report) {
   return html + "</figcaption>";
 }
 
-std::string scale_bar(const MapView& view) {
-  const double length_m = scale_bar_m(view);
-  return fmt::format("<div class=\"scale\" style=\"width:{:.3f}%\">{} m</div>",
-                     100 * length_m / (view.width_px * view.pixel_m()), number_text(length_m, 4));
-}
-
-/// Inverts the map's colours in dark mode. As an SVG filter, because not every browser applies CSS filter
-/// functions inside SVG.
-const char* invert_filter() {
-  return "<svg width=\"0\" height=\"0\" style=\"position:absolute\" aria-hidden=\"true\"><filter "
-         "id=\"invert\" "
-         "color-interpolation-filters=\"sRGB\"><feComponentTransfer><feFuncR type=\"linear\" slope=\"-1\" "
-         "intercept=\"1\"/><feFuncG type=\"linear\" slope=\"-1\" intercept=\"1\"/><feFuncB type=\"linear\" "
-         "slope=\"-1\" intercept=\"1\"/></feComponentTransfer></filter></svg>";
-}
-
 /// The clouds of all moments, behind that of the chosen one.
 std::string trail(std::size_t moments) {
   std::string html = "<g class=\"trail\">";
@@ -226,6 +199,30 @@ std::string closeup(const RunReport& report, const Snapshot& snapshot, const Map
 }
 
 }  // namespace
+
+std::string map_image(const GridMap& map, const MapView& view) {
+  std::vector<std::uint8_t> pixels;
+  for (const Cell cell : raster(map, view)) pixels.push_back(static_cast<std::uint8_t>(cell));
+  const std::vector<Rgba> palette = {
+      {255, 255, 255, 0}, {25, 28, 32, 255}, {128, 128, 128, 64}};  // as enum Cell
+  return fmt::format("<image id=\"cells\" class=\"cells\" width=\"{}\" height=\"{}\" href=\"{}\"/>",
+                     view.width_px, view.height_px,
+                     png_data_uri(encode_png_palette(view.width_px, view.height_px, pixels, palette)));
+}
+
+std::string scale_bar(const MapView& view) {
+  const double length_m = scale_bar_m(view);
+  return fmt::format("<div class=\"scale\" style=\"width:{:.3f}%\">{} m</div>",
+                     100 * length_m / (view.width_px * view.pixel_m()), number_text(length_m, 4));
+}
+
+const char* invert_filter() {
+  return "<svg width=\"0\" height=\"0\" style=\"position:absolute\" aria-hidden=\"true\"><filter "
+         "id=\"invert\" "
+         "color-interpolation-filters=\"sRGB\"><feComponentTransfer><feFuncR type=\"linear\" slope=\"-1\" "
+         "intercept=\"1\"/><feFuncG type=\"linear\" slope=\"-1\" intercept=\"1\"/><feFuncB type=\"linear\" "
+         "slope=\"-1\" intercept=\"1\"/></feComponentTransfer></filter></svg>";
+}
 
 std::string map_figures(const RunReport& report, const TimeAxis& axis) {
   const std::optional<MapView> fitted = fit_view(report, 1, most_map_px);

@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "common/io/map_view.h"
 #include "common/io/report.h"
 #include "common/io/svg_plot.h"
 
@@ -19,6 +20,15 @@ const char* report_script();
 /// The map with the paths and, one at a time, the particle clouds; then a close-up of each cloud.
 /// `axis` gives the time of each moment. Empty if there is neither a map nor a path.
 std::string map_figures(const RunReport& report, const TimeAxis& axis);
+
+/// The cells as an <image> for an <svg> of the view's size. Free cells are clear, so that the page's own
+/// colour shows.
+std::string map_image(const GridMap& map, const MapView& view);
+/// Once per page with such images: inverts their colours in dark mode. As an SVG filter, because not every
+/// browser applies CSS filter functions inside SVG.
+const char* invert_filter();
+/// A bar with its length, for a lower corner of a <div class="map"> that holds the <svg>.
+std::string scale_bar(const MapView& view);
 
 /// The plots of errors, N_eff, standard deviations and step time, as far as there are data.
 std::string plot_figures(const RunReport& report, const TimeAxis& axis);

@@ -1,3 +1,5 @@
+#include <algorithm>
+#include <limits>
 #include <numbers>
 
 #include "common/io/html_text.h"
@@ -54,12 +56,36 @@ Plot error_plot(const std::string& title, const std::string& unit, const TrackEr
 }
 
 Plot n_eff_plot(const RunReport& report, const std::vector<double>& stamps) {
-  Plot plot{"Effective particles", "N_eff", PlotScale::from_zero, {}, {}, {}, {}};
-  plot.series.push_back({"", "c1", stamps, column(report.steps, [](auto& s) { return s.n_eff; })});
+  // A number that adapts starts at many times what it is later.
+  const PlotScale scale = report.adaptive ? PlotScale::automatic : PlotScale::from_zero;
+  Plot plot{"Effective particles", "N_eff", scale, {}, {}, {}, {}};
+  plot.series.push_back(
+      {report.adaptive ? "N_eff" : "", "c1", stamps, column(report.steps, [](auto& s) { return s.n_eff; })});
+  if (report.adaptive)
+    plot.series.push_back(
+        {"all particles", "c6", stamps, column(report.steps, [](auto& s) { return s.particles; })});
   if (report.resample_below > 0.0) plot.levels.push_back({"threshold", "c5", report.resample_below});
   if (report.particles > 0.0) plot.levels.push_back({"all particles", "c6", report.particles});
   plot.marks.push_back({"resampled", "c2", stamps_when(report.steps, [](auto& s) { return s.resampled; })});
-  plot.marks.push_back({"lost", "c5", stamps_when(report.steps, [](auto& s) { return s.lost; })});
+  plot.marks.push_back({"no particle fits", "c5", stamps_when(report.steps, [](auto& s) { return s.lost; })});
+  return plot;
+}
+
+/// Empty for a run that was not judged.
+Plot health_plot(const RunReport& report, const std::vector<double>& stamps) {
+  Plot plot{"Health", "probability of being right", PlotScale::from_zero, {}, {}, {}, {}};
+  constexpr double unknown = std::numeric_limits<double>::quiet_NaN();
+  plot.series.push_back({"", "c1", stamps, column(report.steps, [&](auto& s) {
+                           return s.health ? s.health->probability : unknown;
+                         })});
+  plot.levels.push_back({"certain", "c6", 1.0});
+  const auto mark = [&](const char* label, const char* colour, HealthState state, int row) {
+    const auto is_it = [&](auto& s) { return s.health && s.health->state == state; };
+    plot.marks.push_back({label, colour, stamps_when(report.steps, is_it), row});
+  };
+  mark("ambiguous", "c3", HealthState::ambiguous, 1);
+  mark("lost", "c5", HealthState::lost, 2);
+  plot.marks.push_back({"searched", "c2", stamps_when(report.steps, [](auto& s) { return s.searched; })});
   return plot;
 }
 
@@ -95,6 +121,8 @@ std::string plot_figures(const RunReport& report, const TimeAxis& axis) {
   std::string html;
   if (report.errors) html += render_plot(position_plot(*report.errors), axis);
   for (const Plot& plot : error_plots(report)) html += render_plot(plot, axis);
+  if (std::any_of(report.steps.begin(), report.steps.end(), [](auto& s) { return s.health.has_value(); }))
+    html += render_plot(health_plot(report, stamps), axis);
   html += render_plot(n_eff_plot(report, stamps), axis);
   html += render_plot({"Standard deviation of position",
                        "m",

@@ -52,15 +52,17 @@ std::string band_path(const std::vector<EnvelopeColumn>& columns, const ValueAxi
 }
 
 /// One tick per column at most.
-std::string marks_path(const std::vector<double>& stamp_s, const TimeAxis& axis) {
+std::string marks_path(const PlotMarks& marks, const TimeAxis& axis) {
   std::vector<bool> seen(plot_columns + 1, false);
-  for (const double stamp : stamp_s) {
+  for (const double stamp : marks.stamp_s) {
     const double fraction = drawable(stamp) ? axis.fraction(stamp) : -1.0;
     if (fraction >= 0.0 && fraction <= 1.0) seen[static_cast<std::size_t>(fraction * plot_columns)] = true;
   }
   std::string d;
+  constexpr double row_height = 10;
   for (std::size_t k = 0; k < seen.size(); ++k) {
-    if (seen[k]) fmt::format_to(std::back_inserter(d), "M{} {:.0f}v-8", k, plot_height);
+    if (seen[k])
+      fmt::format_to(std::back_inserter(d), "M{} {:.0f}v-8", k, plot_height - row_height * marks.row);
   }
   return d;
 }
@@ -123,7 +125,7 @@ std::string drawing(const Plot& plot, const TimeAxis& time, const ValueAxis& axi
                 fmt::format("M0 {:.1f}H{:.0f}", y_of(axis, l.y), plot_width));
   }
   for (const PlotMarks& m : plot.marks)
-    append_path(svg, "tick " + escape_html(m.colour), marks_path(m.stamp_s, time));
+    append_path(svg, "tick " + escape_html(m.colour), marks_path(m, time));
   return svg + "</svg>";
 }
 

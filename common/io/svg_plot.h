@@ -52,10 +52,11 @@ struct PlotLevel {
   double y = 0.0;
 };
 
-/// Ticks at the lower edge, for moments.
+/// Ticks at the lower edge, for moments; in a higher row they do not hide each other.
 struct PlotMarks {
   std::string label, colour;
   std::vector<double> stamp_s;
+  int row = 0;
 };
 
 enum class PlotScale {

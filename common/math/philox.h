@@ -26,6 +26,8 @@ enum class Stream : std::uint32_t {
   slam_proposal = 12,
   stochastic_flow = 13,
   simulated_clutter = 14,
+  kld = 15,
+  random_drive = 16,
 };
 
 struct Philox4x32 {

@@ -1,6 +1,10 @@
 // float64 functions with the same bits everywhere, for what the host computes per step and the device once
-// per estimate. fdlibm's polynomials; sin/cos reduced by fma, good to 1 ulp for |x| < 1e5; atan2 under 1 ulp.
+// per estimate. fdlibm's polynomials; sin/cos reduced by fma, good to 1 ulp for |x| < 1e5; atan2, exp and log
+// under 1 ulp.
 #pragma once
+
+#include <cstdint>
+#include <cstring>
 
 #include "common/math/host_device.h"
 
@@ -10,6 +14,56 @@ constexpr double kPi = 3.14159265358979323846;
 
 PARLOC_HD double fused64(double a, double b, double c) {
   return __builtin_fma(a, b, c);
+}
+
+PARLOC_HD std::uint64_t bits_of64(double x) {
+  std::uint64_t b;
+  std::memcpy(&b, &x, sizeof b);
+  return b;
+}
+PARLOC_HD double double_of(std::uint64_t bits) {
+  double x;
+  std::memcpy(&x, &bits, sizeof x);
+  return x;
+}
+
+/// exp(x); 0 below -700, exp(700) above 700.
+PARLOC_HD double portable_exp64(double x) {
+  if (!(x > -700.0)) return 0.0;
+  if (x > 700.0) x = 700.0;
+  const double k = __builtin_rint(x * 1.44269504088896338700e+00);
+  const double high = x - k * 6.93147180369123816490e-01;
+  const double low = k * 1.90821492927058770002e-10;
+  const double r = high - low;
+  const double t = r * r;
+  double p = 4.13813679705723846039e-08;
+  p = p * t - 1.65339022054652515390e-06;
+  p = p * t + 6.61375632143793436117e-05;
+  p = p * t - 2.77777777770155933842e-03;
+  p = p * t + 1.66666666666666019037e-01;
+  const double c = r - t * p;
+  const double y = 1.0 - ((low - (r * c) / (2.0 - c)) - high);
+  return y * double_of(static_cast<std::uint64_t>(static_cast<std::int64_t>(k) + 1023) << 52);
+}
+
+/// Natural logarithm of a positive normal number.
+PARLOC_HD double portable_log64(double x) {
+  // x = 2^k m with m in [sqrt(1/2), sqrt(2))
+  const std::uint64_t bits = bits_of64(x) + (0x3ff0000000000000u - 0x3fe6a09e00000000u);
+  const double k = static_cast<double>(static_cast<std::int64_t>(bits >> 52) - 1023);
+  const double f = double_of((bits & 0x000fffffffffffffu) + 0x3fe6a09e00000000u) - 1.0;
+  const double s = f / (2.0 + f);
+  const double z = s * s;
+  double r = 1.479819860511658591e-01;
+  r = r * z + 1.531383769920937332e-01;
+  r = r * z + 1.818357216161805012e-01;
+  r = r * z + 2.222219843214978396e-01;
+  r = r * z + 2.857142874366239149e-01;
+  r = r * z + 3.999999999940941908e-01;
+  r = r * z + 6.666666666666735130e-01;
+  r = r * z;
+  const double half = 0.5 * f * f;
+  return k * 6.93147180369123816490e-01 - ((half - (s * (half + r) + k * 1.90821492927058770002e-10)) - f);
 }
 
 struct SinCos64 {

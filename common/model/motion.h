@@ -21,6 +21,7 @@ struct OdometryIncrement {
 struct MotionStep {
   float rot1 = 0, trans = 0, rot2 = 0;
   float sigma_rot1 = 0, sigma_trans = 0, sigma_rot2 = 0;
+  float spread_xy = 0, spread_theta = 0;  ///< Noise besides, whatever the motion: widens a lost cloud.
 };
 
 OdometryIncrement odometry_increment(const Pose& previous, const Pose& current, double min_translation_m);
@@ -40,6 +41,19 @@ PARLOC_HD void predict_one(float& x, float& y, float& theta, const MotionStep& m
   x = fused(trans, a.cos, x);
   y = fused(trans, a.sin, y);
   theta = wrap(theta + (rot1 + rot2));
+}
+
+PARLOC_HD bool widens(const MotionStep& m) {
+  return m.spread_xy > 0.0f || m.spread_theta > 0.0f;
+}
+
+/// Adds the noise that widens the cloud: block 1 of stream `motion`, words -> x, y, theta.
+PARLOC_HD void spread_one(float& x, float& y, float& theta, const MotionStep& m, std::uint32_t slot,
+                          std::uint32_t step, std::uint64_t seed) {
+  const Normals n = normals(philox(slot, step, Stream::motion, 1, seed));
+  x = fused(m.spread_xy, n.n[0], x);
+  y = fused(m.spread_xy, n.n[1], y);
+  theta = wrap(fused(m.spread_theta, n.n[2], theta));
 }
 
 }  // namespace parloc

@@ -177,9 +177,10 @@ void ray_trace(benchmark::State& state, const Case& c) {
   const SkipField skip = skip_field(blocking_cells(map, c.sensor.unknown_blocks).data(), map.width,
                                     map.height, std::size_t{64} << 20);
   ParticleSet& set = rig.weighed;
+  std::uint32_t count = static_cast<std::uint32_t>(set.x.size());
   std::vector<float> expected_m(set.x.size() * rig.beams.count);
   RayTraceArgs args =
-      bind_rays({set.x.data(), set.y.data(), set.theta.data(), set.log_weight.data(), set.x.size()},
+      bind_rays({set.x.data(), set.y.data(), set.theta.data(), set.log_weight.data(), &count, count},
                 bind_ray_map(skip.lines.data(), skip.plane, map), bind_beams(rig.beams), c.sensor);
   args.expected_m = expected_m.data();
   cpu::Workers workers;

@@ -94,6 +94,7 @@ FilterConfig fixed_config(SensorModel model) {
                                                          : ResampleScheme::stratified,
                 .threshold = 0.5};
   c.estimate = {.mode = EstimateMode::cluster};
+  c.localize = {.health = true, .recover = false};  // judged, which must not change a bit; never searched
   return c;
 }
 

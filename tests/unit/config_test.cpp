@@ -48,7 +48,7 @@ TEST(Config, EachMistakeHasOneClearLine) {
       {"sensor:\n  particles: 3\n",
        "c.yaml:2: unknown key 'sensor.particles'; the nearest valid key is 'particles'"},
       {"mdel: [1, 2]\n", "c.yaml:1: unknown key 'mdel'; the nearest valid key is 'sensor.model'"},
-      {"\"\": 3\n", "c.yaml:1: unknown key ''; the nearest valid key is 'seed'"},
+      {"\"\": 3\n", "c.yaml:1: unknown key ''; the nearest valid key is 'kld'"},
       // Duplicates.
       {"seed: 1\nparticles: 2\nseed: 3\n", "c.yaml:3: duplicate key 'seed', first on line 1"},
       {"scan: {max_beams: 9, max_beams: 9}\n", "c.yaml:1: duplicate key 'scan.max_beams', first on line 1"},

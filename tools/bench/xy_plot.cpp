@@ -51,7 +51,7 @@ Axis axis_over(const std::vector<double>& values, bool logarithmic) {
 }
 
 Frame frame_of(const XyPlot& plot) {
-  std::vector<double> xs, ys;
+  std::vector<double> xs = plot.x_span, ys;
   for (const Curve& c : plot.curves) {
     xs.insert(xs.end(), c.x.begin(), c.x.end());
     ys.insert(ys.end(), c.y.begin(), c.y.end());
@@ -138,7 +138,7 @@ void append_curve(std::string& svg, const Curve& c, const Frame& f) {
     if (!f.takes(c, k)) continue;
     fmt::format_to(std::back_inserter(line), "{}{:.1f} {:.1f}", line.empty() ? 'M' : 'L', f.px(c.x[k]),
                    f.py(c.y[k]));
-    marks += marker_path(c.marker, f.px(c.x[k]), f.py(c.y[k]), 3.6);
+    if (c.marked) marks += marker_path(c.marker, f.px(c.x[k]), f.py(c.y[k]), 3.6);
   }
   const char* dashes = c.dashed ? " dashes" : "";
   fmt::format_to(std::back_inserter(svg), "<path class=\"curve{} {}\" d=\"{}\"/>", dashes, c.colour, line);
@@ -175,8 +175,10 @@ std::string render_legend(const std::vector<Curve>& curves) {
   for (const Curve& c : curves) {
     const std::string line =
         "<path class=\"curve" + std::string(c.dashed ? " dashes " : " ") + c.colour + "\" d=\"M2 8H34\"/>";
-    const std::string mark = "<path class=\"" + std::string(c.dashed ? "hollow " : "solid ") + c.colour +
-                             "\" d=\"" + marker_path(c.marker, 18, 8, 3.6) + "\"/>";
+    const std::string mark = !c.marked
+                                 ? ""
+                                 : "<path class=\"" + std::string(c.dashed ? "hollow " : "solid ") +
+                                       c.colour + "\" d=\"" + marker_path(c.marker, 18, 8, 3.6) + "\"/>";
     html += "<span><svg viewBox=\"0 0 36 16\" aria-hidden=\"true\">" + line + mark + "</svg>" +
             escape_html(c.label) + "</span>";
   }

@@ -14,6 +14,7 @@ struct Curve {
   Marker marker = Marker::circle;
   bool dashed = false;  ///< With hollow markers: figures of others.
   std::vector<double> x, y;
+  bool marked = true;  ///< With a marker at every point.
 };
 
 /// A horizontal line with its name.
@@ -30,6 +31,7 @@ struct XyPlot {
   bool y_logarithmic = true;
   YUnit unit = YUnit::seconds;
   std::vector<double> x_ticks;  ///< Labelled; all of them are drawn.
+  std::vector<double> x_span;   ///< The axis covers these values, too.
   std::vector<double> y_span;   ///< The axis covers these values, too: the same for plots side by side.
   std::vector<Curve> curves;
   std::vector<Level> levels;

@@ -5,17 +5,23 @@
 set(PARLOC_PUBLIC_HEADERS
   error.h
   eval/metrics.h
+  filter/backend_choice.h
   filter/config.h
   filter/particle_filter.h
+  filter/pose_guess.h
   io/config.h
   io/log.h
   io/trajectory.h
+  localize/health.h
+  localize/localizer.h
+  localize/modes.h
   map/grid_map.h
   map/map_reader.h
   map/segment.h
   map/segment_map.h
   math/pose.h
   model/beam_counts.h
+  search/search_config.h
   parloc.h)
 set(_parloc_include_dir ${PROJECT_BINARY_DIR}/include)
 foreach(header ${PARLOC_PUBLIC_HEADERS})

@@ -1,0 +1,15 @@
+// A place where the robot may be.
+#pragma once
+
+#include "common/math/pose.h"
+
+namespace parloc {
+
+/// In the map frame, with its spread and how much speaks for it.
+struct PoseGuess {
+  Pose pose;
+  double sigma_xy_m = 0.0, sigma_theta_rad = 0.0;
+  double weight = 1.0;  ///< Relative to the others; above 0.
+};
+
+}  // namespace parloc

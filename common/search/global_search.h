@@ -1,0 +1,70 @@
+// Where on the map can this scan have been taken? All poses of a lattice over the whole free space, the best
+// of them found for certain (docs/locate.md).
+#pragma once
+
+#include <cstddef>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "common/io/log.h"
+#include "common/map/grid_map.h"
+#include "common/math/pose.h"
+#include "common/model/beams.h"
+#include "common/search/hypotheses.h"
+#include "common/search/search_backend.h"
+#include "common/search/search_config.h"
+
+namespace parloc {
+
+/// One place where the scan may have been taken. Shares are of all beams, hits and misses.
+struct Hypothesis {
+  Pose pose;               ///< Map frame.
+  double score = 0.0;      ///< How close the hits end to walls, 0 to 1.
+  double explained = 0.0;  ///< Share of beams that end where the map's ray does.
+  double through = 0.0;    ///< ... that go through a wall of the map.
+  double unmapped = 0.0;   ///< ... that end before the map's wall.
+  double evidence = 0.0;   ///< What the scan says for it, against any other place [nat per beam].
+  double weight = 0.0;     ///< Share among all hypotheses that were judged.
+  bool as_good = false;    ///< As good as the first (which is, too).
+};
+
+struct SearchResult {
+  std::vector<Hypothesis> hypotheses;  ///< The most likely first; separated; may be empty.
+  bool ambiguous = false;  ///< Another one is as good as the first, or there were too many to judge them all.
+  std::size_t beams = 0;   ///< Hits that the exhaustive part looked at.
+  std::size_t headings = 0;    ///< Of the lattice.
+  std::size_t candidates = 0;  ///< Separated lattice poses that were judged.
+  bool too_many = false;       ///< There may be more than those.
+};
+
+/// Not thread-safe; one object per map. Deterministic: the same map, configuration and beams give the same
+/// bits on every backend, thread count and instruction set.
+class GlobalSearch {
+ public:
+  /// Everything that depends on the map alone. Throws Error{input} for a map without free cells,
+  /// Error{config} for an impossible configuration, Error{backend} if the backend is not there.
+  explicit GlobalSearch(const GridMap& map, const SearchConfig& config = {});
+  ~GlobalSearch();
+  GlobalSearch(GlobalSearch&&) noexcept;
+  GlobalSearch& operator=(GlobalSearch&&) noexcept;
+
+  /// `beams` as select_beams makes them for this map. Without a hit there is no hypothesis. Throws
+  /// Error{input} for a prior that is not finite or leaves no free cell.
+  SearchResult search(const BeamTable& beams, const SearchPrior& prior = {});
+  /// The same for a scan taken in an instant.
+  SearchResult search(const Scan& scan, const ScanConfig& scan_config, const SearchPrior& prior = {});
+
+  /// The exhaustive part alone: at most `most` separated poses of the lattice, best first.
+  std::vector<LatticePose> search_lattice(const BeamTable& beams, const SearchPrior& prior, std::size_t most);
+  const SearchMap& map() const;
+  const SearchScan& scan() const;  ///< Of the last search.
+  std::string backend_name() const;
+  const std::string& backend_reason() const;  ///< One line on why this one was taken.
+
+ private:
+  struct State;
+  std::unique_ptr<State> state_;
+};
+
+}  // namespace parloc

@@ -1,0 +1,101 @@
+#include "common/search/scan_evidence.h"
+
+#include <algorithm>
+#include <utility>
+
+#include "common/filter/start.h"
+#include "common/model/ray_models.h"
+
+namespace parloc {
+namespace {
+
+constexpr std::int64_t kPlaces = 2048;     // rays that chance is learnt from
+constexpr std::uint64_t kPlacesSeed = 17;  // any will do
+constexpr std::size_t kBins = 256;
+constexpr std::size_t kMostChances = 16;  // LiDARs of different reach, remembered at the same time
+
+/// A beam mixture of its own, whatever the filter's model is: the outcome is compared with what was
+/// calibrated for it (common/localize/health.h). With much room for what is not on the map: people in front
+/// of a wall cost little, a beam that goes through a wall costs much.
+SensorConfig evidence_model() {
+  SensorConfig c = default_sensor(SensorModel::beam);
+  c.z_hit = 0.5, c.z_short = 0.4, c.z_max = 0.05, c.z_rand = 0.05;
+  c.sigma_hit = 0.12;
+  c.lambda_short = 0.1;  // nearly even up to the wall
+  return c;
+}
+
+struct Beam {
+  explicit Beam(float range_max_m) : config(evidence_model()), model(bind_censored(config, range_max_m)) {}
+
+  float log_hit(float measured_m, float expected_m) const {
+    const auto lambda = static_cast<float>(config.lambda_short);
+    const float short_density =
+        static_cast<float>(config.z_short) * lambda * portable_exp(-lambda * measured_m);
+    return model.hit(measured_m, short_density, expected_m);
+  }
+  float log_miss(float expected_m) const { return model.miss(model.range_max_m, expected_m); }
+
+  SensorConfig config;
+  CensoredBeam model;
+};
+
+std::size_t bin_of(float range_m, float range_max_m) {
+  const float bin = range_m / range_max_m * static_cast<float>(kBins);
+  return std::min(static_cast<std::size_t>(max_of(bin, 0.0f)), kBins - 1);
+}
+
+}  // namespace
+
+ScanEvidence::ScanEvidence(const GridMap& map) : rays_(map) {
+  ParticleSet anywhere = uniform_start(map, kPlaces, kPlacesSeed);
+  anywhere_x_m_ = std::move(anywhere.x);
+  anywhere_y_m_ = std::move(anywhere.y);
+  anywhere_heading_rad_ = std::move(anywhere.theta);
+}
+
+ScanEvidence::Chance ScanEvidence::learn_chance(float range_max_m) {
+  const Beam beam(range_max_m);
+  std::vector<double> hit(kBins, 0.0);
+  double miss = 0.0;
+  for (std::size_t k = 0; k < anywhere_x_m_.size(); ++k) {
+    const float expected_m =
+        rays_.cast(anywhere_x_m_[k], anywhere_y_m_[k], anywhere_heading_rad_[k], range_max_m);
+    for (std::size_t bin = 0; bin < kBins; ++bin) {
+      const float middle_m = (static_cast<float>(bin) + 0.5f) * range_max_m / static_cast<float>(kBins);
+      hit[bin] += static_cast<double>(portable_exp(beam.log_hit(middle_m, expected_m)));
+    }
+    miss += static_cast<double>(portable_exp(beam.log_miss(expected_m)));
+  }
+  const auto log_mean = [&](double sum) {
+    return portable_log(static_cast<float>(sum / static_cast<double>(anywhere_x_m_.size())));
+  };
+  Chance chance{range_max_m, std::vector<float>(kBins), log_mean(miss)};
+  std::transform(hit.begin(), hit.end(), chance.log_hit.begin(), log_mean);
+  return chance;
+}
+
+const ScanEvidence::Chance& ScanEvidence::chance_for(float range_max_m) {
+  for (const Chance& known : chances_)
+    if (known.range_max_m == range_max_m) return known;
+  if (chances_.size() == kMostChances) chances_.erase(chances_.begin());
+  chances_.push_back(learn_chance(range_max_m));
+  return chances_.back();
+}
+
+double ScanEvidence::per_beam(const BeamTable& beams, const Pose& pose_in_grid) {
+  if (beams.count == 0) return 0.0;
+  const Chance& chance = chance_for(beams.range_max_m);
+  rays_.cast(beams, pose_in_grid, expected_m_);
+  const Beam beam(chance.range_max_m);
+  double sum = 0.0;
+  for (std::size_t m = 0; m < beams.count; ++m) {
+    const float measured_m = beams.range_m[m], expected_m = expected_m_[m];
+    sum += static_cast<double>(m < beams.hits ? beam.log_hit(measured_m, expected_m) -
+                                                    chance.log_hit[bin_of(measured_m, chance.range_max_m)]
+                                              : beam.log_miss(expected_m) - chance.log_miss);
+  }
+  return sum / static_cast<double>(beams.count);
+}
+
+}  // namespace parloc

@@ -1,0 +1,44 @@
+// How much a scan speaks for a pose, against any other pose on the map.
+#pragma once
+
+#include <vector>
+
+#include "common/filter/pose_rays.h"
+#include "common/map/grid_map.h"
+#include "common/math/pose.h"
+#include "common/model/beams.h"
+
+namespace parloc {
+
+/// The likelihood ratio of the two: each beam's density by the beam model at the pose (SPEC 3.3), and its
+/// density at a random place of the map, looking a random way. Where a map is all alike the second is as high
+/// as the first, and a scan that fits everywhere tells nothing.
+class ScanEvidence {
+ public:
+  /// Built once per map. Throws Error{input} for a map without free cells.
+  explicit ScanEvidence(const GridMap& map);
+
+  /// Mean over the beams, hits and misses, of the logarithm of the ratio [nat]: about 1 to 2 where the robot
+  /// is, below 0 where it is not. 0 for a scan without beams. Of a range_max_m that was not seen before the
+  /// first call takes milliseconds. Deterministic on every machine.
+  double per_beam(const BeamTable& beams, const Pose& pose_in_grid);
+  /// Expected ranges of that call, by beam [m].
+  const std::vector<float>& expected_m() const { return expected_m_; }
+
+ private:
+  /// What a beam says anywhere on the map, with LiDARs that reach so far.
+  struct Chance {
+    float range_max_m = 0.0f;
+    std::vector<float> log_hit;  // log density by range, in equal bins up to range_max_m
+    float log_miss = 0.0f;       // log probability
+  };
+  Chance learn_chance(float range_max_m);
+  const Chance& chance_for(float range_max_m);
+
+  PoseRays rays_;
+  std::vector<float> anywhere_x_m_, anywhere_y_m_, anywhere_heading_rad_;  // random poses on free cells
+  std::vector<Chance> chances_;                                            // the newest last
+  std::vector<float> expected_m_;                                          // of the scan at hand
+};
+
+}  // namespace parloc

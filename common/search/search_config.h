@@ -1,0 +1,42 @@
+// Settings of the global search, and what may be known beforehand of where the robot is.
+#pragma once
+
+#include <optional>
+
+#include "common/filter/backend_choice.h"
+
+namespace parloc {
+
+struct SearchConfig {
+  /// Cells of the search are at least this large: finer cells of the map are put together [m].
+  double cell_m = 0.05;
+  double sigma_m = 0.12;         ///< How fast an end point's value falls with its distance to a wall.
+  int beams = 60;                ///< Hits that the exhaustive part looks at, 1 to 256; all count afterwards.
+  double heading_cells = 1.5;    ///< The farthest end point moves at most so far from heading to heading.
+  int max_headings = 1440;       ///< But there are no more headings than this; at least 72.
+  double least_score = 0.4;      ///< A pose below it is no hypothesis, of 1.
+  double least_share = 0.8;      ///< Nor is one below this share of the best score.
+  double separation_m = 1.0;     ///< Hypotheses differ by as much in place ...
+  double separation_rad = 0.35;  ///< ... or by as much in heading.
+  int candidates = 300;          ///< Separated lattice poses that rays are cast for.
+  int most = 10;                 ///< Hypotheses in the answer.
+  double effective_beams = 6.0;  ///< Independent beams that a scan is worth: how sharply weights differ.
+  double ambiguous_share = 0.1;  ///< A weight above this share of the best is as good as equal.
+  BackendChoice backend = BackendChoice::automatic;
+  int threads = 0;  ///< CPU: 0 is all cores.
+  int device = 0;   ///< CUDA: index of the device.
+};
+
+/// What is known of the pose beforehand, in the map frame. What is empty may be anything.
+struct SearchPrior {
+  struct Disc {
+    double x_m, y_m, radius_m;
+  };
+  struct Interval {
+    double heading_rad, tolerance_rad;
+  };
+  std::optional<Disc> region;
+  std::optional<Interval> heading;
+};
+
+}  // namespace parloc

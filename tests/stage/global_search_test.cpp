@@ -1,0 +1,250 @@
+// The global search against a search through every pose, and against itself on other backends, thread counts
+// and instruction sets: identical poses and scores.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstdlib>
+#include <cstring>
+#include <random>
+#include <tuple>
+
+#include "common/error.h"
+#include "common/math/portable64.h"
+#include "common/search/global_search.h"
+#include "cpu/simd.h"
+
+namespace parloc {
+namespace cuda_on_host {
+std::unique_ptr<SearchBackend> make_search_on_host(const SearchMap& map);
+}
+namespace {
+
+/// Two rooms that differ, with a passage; 7.05 x 4.6 m, so that no side is a whole number of blocks.
+GridMap two_rooms(double yaw_rad = 0.0) {
+  std::vector<std::string> rows(92, std::string(141, '.'));
+  for (std::size_t i = 0; i < 141; ++i) rows.front()[i] = rows.back()[i] = '#';
+  for (auto& r : rows) r.front() = r.back() = '#';
+  for (std::size_t j = 0; j < 60; ++j) rows[j][70] = '#';
+  for (std::size_t i = 20; i < 45; ++i) rows[30][i] = '#';
+  for (std::size_t j = 50; j < 58; ++j) rows[j].replace(100, 9, "#########");
+  for (std::size_t j = 70; j < 80; ++j) rows[j].replace(10, 12, "????????????");
+  return grid_from_text(rows, 0.05, {-1.0, 2.0, yaw_rad});
+}
+
+/// What a LiDAR at the origin of the base sees; marching in small steps, for no caster of the library is to
+/// be believed here.
+Scan seen_from(const GridMap& map, const Pose& pose, std::size_t beams, double fov_rad, double range_m) {
+  Scan scan;
+  scan.angle_min_rad = -0.5 * fov_rad;
+  scan.angle_step_rad = fov_rad / static_cast<double>(beams);
+  scan.range_min_m = 0.05;
+  scan.range_max_m = range_m;
+  for (std::size_t b = 0; b < beams; ++b) {
+    const double angle = pose.theta_rad + scan.angle_min_rad + scan.angle_step_rad * static_cast<double>(b);
+    double r = 0.0;
+    while (r < range_m &&
+           map.at_point(pose.x_m + r * std::cos(angle), pose.y_m + r * std::sin(angle)) != Cell::occupied)
+      r += 0.01;
+    scan.ranges_m.push_back(static_cast<float>(std::min(r, range_m)));
+  }
+  return scan;
+}
+
+BeamTable beams_of(const GridMap& map, const Scan& scan) {
+  BeamTable table;
+  BeamCounts counts;
+  select_beams(scan, ScanConfig{}, default_sensor(SensorModel::beam), map.resolution_m, table, counts);
+  return table;
+}
+
+SearchConfig small_config() {
+  SearchConfig c;
+  c.backend = BackendChoice::cpu;
+  c.beams = 37;  // not a whole number of fours
+  c.heading_cells = 3.0;
+  c.least_share = 0.7;
+  return c;
+}
+
+Pose in_rooms(double x, double y, double theta) {
+  return compose({-1.0, 2.0, 0.0}, {x, y, theta});
+}
+
+/// The definition, word for word: every pose of the lattice; the best of each block and heading bin; greedily
+/// those apart.
+std::vector<LatticePose> brute_force(const GlobalSearch& search, const SearchConfig& config,
+                                     std::size_t most) {
+  const SearchGrid grid = search.map().view();
+  const SearchScan& scan = search.scan();
+  struct Champion {
+    LatticePose pose;
+    bool there = false;
+  };
+  std::vector<Champion> champions(static_cast<std::size_t>(grid.blocks_x() * grid.blocks_y() * 36));
+  std::uint32_t best = 0;
+  for (std::int32_t k = 0; k < scan.headings; ++k)
+    for (std::int32_t j = 0; j < grid.height; ++j)
+      for (std::int32_t i = 0; i < grid.width; ++i) {
+        if (!grid.is_free(i, j)) continue;
+        std::uint32_t score = 0;
+        for (std::int32_t b = 0; b < scan.beams; ++b) {
+          const Offset o = scan.offsets[static_cast<std::size_t>(k * scan.beams + b)];
+          const std::int32_t x = i + o.x, y = j + o.y;
+          if (x >= 0 && y >= 0 && x < grid.width && y < grid.height)
+            score += grid.cells.first[y * grid.cells.stride + x];
+        }
+        best = std::max(best, score);
+        Champion& c = champions[static_cast<std::size_t>(((j / 8) * grid.blocks_x() + i / 8) * 36 +
+                                                         k * 36 / scan.headings)];
+        if (!c.there || score > c.pose.score) c = {{i, j, k, score}, true};
+      }
+  const double full = 63.0 * scan.beams;
+  std::vector<LatticePose> poses;
+  for (const Champion& c : champions)
+    if (c.there && c.pose.score >= std::floor(config.least_score * full) &&
+        c.pose.score * 1024 >= best * std::floor(config.least_share * 1024))
+      poses.push_back(c.pose);
+  std::sort(poses.begin(), poses.end(), [](const LatticePose& a, const LatticePose& b) {
+    return std::make_tuple(b.score, a.k, a.j, a.i) < std::make_tuple(a.score, b.k, b.j, b.i);
+  });
+  std::vector<LatticePose> taken;
+  for (const LatticePose& p : poses) {
+    bool apart = taken.size() < most;
+    for (const LatticePose& q : taken) {
+      const double d = std::hypot(p.i - q.i, p.j - q.j) * search.map().cell_m;
+      const double turn = std::fabs(wrap64(2 * kPi * (p.k - q.k) / scan.headings));
+      apart = apart && (d >= config.separation_m || turn >= config.separation_rad);
+    }
+    if (apart) taken.push_back(p);
+  }
+  return taken;
+}
+
+void expect_same(const std::vector<LatticePose>& a, const std::vector<LatticePose>& b) {
+  ASSERT_EQ(a.size(), b.size());
+  for (std::size_t n = 0; n < a.size(); ++n) {
+    EXPECT_EQ(a[n].i, b[n].i) << n;
+    EXPECT_EQ(a[n].j, b[n].j) << n;
+    EXPECT_EQ(a[n].k, b[n].k) << n;
+    EXPECT_EQ(a[n].score, b[n].score) << n;
+  }
+}
+
+TEST(GlobalSearch, FindsWhatASearchThroughEveryPoseFinds) {
+  const GridMap map = two_rooms();
+  const SearchConfig config = small_config();
+  GlobalSearch search(map, config);
+  const Pose places[] = {in_rooms(1.2, 3.3, 0.4), in_rooms(5.1, 0.9, -2.2), in_rooms(3.4, 0.8, 3.0)};
+  for (const Pose& place : places)
+    for (const double fov_rad : {2 * kPi, 1.7}) {
+      const Scan scan = seen_from(map, place, 90, fov_rad, 3.0);
+      const std::vector<LatticePose> found = search.search_lattice(beams_of(map, scan), {}, 30);
+      ASSERT_GE(found.size(), 2u);  // else there is little to compare
+      expect_same(found, brute_force(search, config, 30));
+    }
+}
+
+TEST(GlobalSearch, ABoundIsNeverBelowAScoreOfItsBlock) {
+  const GridMap map = two_rooms();
+  GlobalSearch search(map, small_config());
+  // Far beams: most windows lie partly or wholly off the map.
+  Scan scan = seen_from(map, in_rooms(5.1, 0.9, -2.2), 90, 2 * kPi, 20.0);
+  for (std::size_t b = 0; b < scan.ranges_m.size(); b += 3) scan.ranges_m[b] *= 2.5f;
+  (void)search.search_lattice(beams_of(map, scan), {}, 1);
+  SearchTask task;
+  task.grid = search.map().view();
+  task.offsets = search.scan().offsets.data();
+  task.beams = search.scan().beams;
+  task.headings = search.scan().headings;
+  std::mt19937 random(5);
+  const auto below = [&](std::int32_t n) {
+    return static_cast<std::int32_t>(random() % static_cast<unsigned>(n));
+  };
+  std::size_t tight = 0;
+  for (int n = 0; n < 20000; ++n) {
+    const std::int32_t k = below(task.headings), i = below(task.grid.width), j = below(task.grid.height);
+    const std::uint32_t bound = bound_of_block(task, k, i / 8, j / 8, 0);
+    const std::uint32_t score = score_of_pose(task, k, i, j, 0);
+    ASSERT_GE(bound, score) << k << " " << i << " " << j;
+    tight += bound < score + 63 * static_cast<std::uint32_t>(task.beams) / 4 ? 1 : 0;
+  }
+  EXPECT_GT(tight, 1000u);  // a bound that is always the most there can be would pass, too
+}
+
+/// The champions of a backend, sorted.
+std::vector<std::uint64_t> champions_of(SearchBackend& backend, const SearchTask& task,
+                                        const SearchScan& scan) {
+  std::vector<std::uint64_t> keys;
+  backend.search(task, scan, keys);
+  std::sort(keys.begin(), keys.end());
+  return keys;
+}
+
+struct OneSearch {
+  SearchMap map;
+  SearchScan scan;
+  SearchTask task;
+};
+
+OneSearch one_search(const GridMap& grid, const Scan& seen, bool with_prior) {
+  const SearchConfig config = small_config();
+  OneSearch s{make_search_map(grid, config), {}, {}};
+  make_search_scan(beams_of(grid, seen), grid.resolution_m, s.map.cell_m, config, s.scan);
+  s.task.beams = s.scan.beams;
+  s.task.headings = s.task.heading_count = s.scan.headings;
+  s.task.block_end_i = s.map.shape.blocks_x(), s.task.block_end_j = s.map.shape.blocks_y();
+  s.task.least = 63u * static_cast<std::uint32_t>(s.scan.beams) / 3u;
+  s.task.share_1024th = 700;
+  if (with_prior) {
+    s.task.first_heading = s.scan.headings - 11, s.task.heading_count = 35;
+    s.task.block_i = 2, s.task.block_j = 1, s.task.block_end_i -= 3;
+    s.task.region = {130, 90, 90 * 90};
+  }
+  return s;
+}
+
+const Pose kSomewhere = in_rooms(5.1, 0.9, -0.2);
+
+TEST(GlobalSearchBackends, KernelBodiesThreadsAndInstructionSetsAgree) {
+  for (const bool with_prior : {false, true})
+    for (const double fov_rad : {2 * kPi, 1.2}) {
+      const OneSearch s =
+          one_search(two_rooms(), seen_from(two_rooms(), kSomewhere, 90, fov_rad, 3.0), with_prior);
+      const auto one = make_cpu_search(s.map, 1);
+      const std::vector<std::uint64_t> expected = champions_of(*one, s.task, s.scan);
+      ASSERT_FALSE(expected.empty());
+      EXPECT_EQ(champions_of(*one, s.task, s.scan), expected) << "the same object again";
+      for (const int threads : {2, 4, 7})
+        EXPECT_EQ(champions_of(*make_cpu_search(s.map, threads), s.task, s.scan), expected) << threads;
+      const auto kernels = cuda_on_host::make_search_on_host(s.map);
+      EXPECT_EQ(champions_of(*kernels, s.task, s.scan), expected) << "kernels on the host";
+      EXPECT_EQ(champions_of(*kernels, s.task, s.scan), expected) << "and again";
+      for (const cpu::Simd level : {cpu::Simd::avx2, cpu::Simd::baseline}) {
+        cpu::limit_simd(level);
+        EXPECT_EQ(champions_of(*one, s.task, s.scan), expected) << cpu::simd_name(level);
+      }
+      cpu::limit_simd(cpu::Simd::avx512);
+    }
+}
+
+TEST(GlobalSearchBackends, GpuEqualsCpu) {
+  SearchConfig config = small_config();
+  config.backend = BackendChoice::cuda;
+  std::unique_ptr<GlobalSearch> gpu;
+  try {
+    gpu = std::make_unique<GlobalSearch>(two_rooms(), config);
+  } catch (const Error& e) {
+    const char* required = std::getenv("PARLOC_REQUIRE_GPU");
+    if (required != nullptr && std::strcmp(required, "1") == 0) FAIL() << e.what();
+    GTEST_SKIP() << e.what();
+  }
+  GlobalSearch cpu(two_rooms(), small_config());
+  for (const double fov_rad : {2 * kPi, 1.2}) {
+    const BeamTable beams = beams_of(two_rooms(), seen_from(two_rooms(), kSomewhere, 90, fov_rad, 3.0));
+    expect_same(gpu->search_lattice(beams, {}, 30), cpu.search_lattice(beams, {}, 30));
+  }
+}
+
+}  // namespace
+}  // namespace parloc

@@ -1,0 +1,202 @@
+// `parloc evaluate` as a person or a script meets it: its table and files, the same for any number of jobs,
+// an interruption, and what is wrong on the command line.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <filesystem>
+#include <memory>
+#include <nlohmann/json.hpp>
+#include <string>
+
+#include "tests/system/program_runner.h"
+
+namespace parloc {
+namespace {
+
+using Json = nlohmann::json;
+using test::Args;
+using test::Outcome;
+using test::read_file;
+using test::write_file;
+
+constexpr const char* kScenario = R"(lidar:
+  beams: 180
+  angle_min_deg: -180
+  angle_step_deg: 2
+  range_max: 8
+  sigma_range: 0.02
+odometry:
+  rate: 20
+scan_rate: 5
+seed: 1
+)";
+
+class EvaluateProgram : public testing::Test {
+ protected:
+  static void SetUpTestSuite() {
+    runner = std::make_unique<test::ProgramRunner>(PARLOC_PROGRAM, "parloc_evaluate_test");
+    const std::string maps = std::string(PARLOC_SOURCE_DIR) + "/maps/";
+    const std::string drawn =
+        "map: " + maps + "fine/hall_obstacles.yaml\npath: " + maps + "paths/hall_17m.yaml\n";
+    write_file(runner->folder() / "hall.yaml",
+               drawn + "localization_map: " + maps + "hall_obstacles.yaml\n" + kScenario);
+    write_file(runner->folder() / "mapless.yaml", drawn + kScenario);
+    write_file(runner->folder() / "typo.yaml", drawn + kScenario + "lidor: 1\n");
+    write_file(runner->folder() / "elsewhen.tum", "5.0 1 1 0 0 0 0 1\n5.1 1 1 0 0 0 0 1\n");
+    write_file(runner->folder() / "empty.log", "# nothing\n");
+  }
+  static void TearDownTestSuite() { runner.reset(); }
+  static std::string path(const std::string& name) { return runner->path(name); }
+  static Args with(Args args, const Args& more) {
+    args.insert(args.begin(), {"evaluate"});
+    args.insert(args.end(), more.begin(), more.end());
+    return args;
+  }
+  /// Few particles and short trials: the tests are of the program, not of the localizer.
+  static Outcome simulated(const Args& more) {
+    return runner->call(
+        with({"--scenario", path("hall.yaml"), "--particles", "300", "--duration", "4"}, more));
+  }
+  static Json result(const std::string& folder) {
+    return Json::parse(read_file(path(folder + "/evaluate.json")));
+  }
+  /// Without what a clock, or the command line, has said.
+  static Json lasting(Json json) {
+    json.erase("times");
+    json.erase("command");
+    return json;
+  }
+  static inline std::unique_ptr<test::ProgramRunner> runner;
+};
+
+const Args kLog{"--log",   "maps/logs/malaga_faculty.log.gz", "--map", "maps/malaga_faculty.yaml",
+                "--truth", "maps/logs/malaga_faculty.tum"};
+
+TEST_F(EvaluateProgram, TheNumberOfJobsChangesNothing) {
+  for (const std::string task : {"global", "kidnap"}) {
+    const Outcome one = simulated(
+        {"--task", task, "--trials", "3", "--jobs", "1", "--out", path("one"), "--samples", path("one.csv")});
+    ASSERT_EQ(one.code, 0) << one.err;
+    const Outcome two = simulated({"--task", task, "--trials", "3", "--jobs", "2", "--out", path("two"),
+                                   "--samples", path("two.csv"), "--quiet"});
+    ASSERT_EQ(two.code, 0) << two.err;
+    EXPECT_EQ(two.out + two.err, "");
+    EXPECT_EQ(lasting(result("one")), lasting(result("two")));
+    EXPECT_EQ(read_file(path("one.csv")), read_file(path("two.csv")));
+    const Json j = result("one");
+    EXPECT_EQ(j["trials"].size(), 3u);
+    EXPECT_EQ(j["trials"][2]["seed"], 3);
+    EXPECT_EQ(j["summary"]["success"]["of"], 3);
+    EXPECT_EQ(j["summary"].contains("noticed"), task == "kidnap");
+    EXPECT_FALSE(j["interrupted"]);
+    EXPECT_NE(one.out.find("success"), std::string::npos);
+    const std::string page = read_file(path("one/report.html"));
+    EXPECT_NE(page.find("</html>"), std::string::npos);
+    EXPECT_EQ(page.find("http"), std::string::npos);  // nothing from elsewhere
+  }
+}
+
+// Told its start, even a small filter follows: an error of decimetres would be one of the comparison.
+TEST_F(EvaluateProgram, ASeedAloneIsTheSameTrial) {
+  ASSERT_EQ(simulated({"--task", "track", "--trials", "3", "--out", path("all")}).code, 0);
+  ASSERT_EQ(simulated({"--task", "track", "--trials", "1", "--seed", "3", "--out", path("alone"), "--samples",
+                       path("alone.csv")})
+                .code,
+            0);
+  EXPECT_EQ(result("all")["trials"][2], result("alone")["trials"][0]);
+  EXPECT_EQ(result("all")["summary"]["success"]["hits"], 3);
+  EXPECT_LT(result("all")["summary"]["rmse_m"].get<double>(), 0.1);
+  const std::string csv = read_file(path("alone.csv"));
+  EXPECT_EQ(
+      csv.rfind("seed,stamp_s,position_error_m,heading_error_rad,right,evidence,share,probability,state", 0),
+      0u);
+  EXPECT_EQ(std::count(csv.begin(), csv.end(), '\n'), 1 + 21);  // 4 s at 5 Hz, both ends
+}
+
+TEST_F(EvaluateProgram, StartsInALog) {
+  const Args more{"--starts", "4", "--duration", "3", "--particles", "500"};
+  Args all = with(kLog, more), third = with(kLog, more);
+  all.insert(all.end(), {"--out", path("log")});
+  third.insert(third.end(), {"--out", path("third"), "--seed", "3", "--trials", "1"});
+  const Outcome o = runner->call(all);
+  ASSERT_EQ(o.code, 0) << o.err;
+  const Json j = result("log");
+  ASSERT_EQ(j["trials"].size(), 4u);
+  const double first_s = j["trials"][0]["begun_s"], last_s = j["trials"][3]["begun_s"];
+  EXPECT_NEAR(last_s - first_s, 0.75 * 59.0, 1.5);  // the log has 59 s and a scan every second or less
+  ASSERT_EQ(runner->call(third).code, 0);
+  EXPECT_EQ(result("third")["trials"][0], j["trials"][2]);
+  EXPECT_TRUE(j["summary"]["unmapped"].is_null());
+}
+
+TEST_F(EvaluateProgram, CtrlCKeepsWhatIsDone) {
+  const Args args = with({"--scenario", path("hall.yaml"), "--particles", "300", "--duration", "2"},
+                         {"--trials", "300", "--jobs", "2", "--out", path("broken")});
+  const pid_t child = runner->start(args);
+  runner->wait_for("of 300 trials");  // the first line of progress comes after a tenth of the work
+  kill(child, SIGINT);
+  const Outcome o = runner->finish(child);
+  EXPECT_EQ(o.code, 130) << o.err;
+  const Json j = result("broken");
+  EXPECT_TRUE(j["interrupted"]);
+  EXPECT_GE(j["trials"].size(), 1u);
+  EXPECT_EQ(j["summary"]["trials"], j["trials"].size());
+  EXPECT_NE(o.out.find("interrupted, 300 were wanted"), std::string::npos) << o.out;
+}
+
+TEST_F(EvaluateProgram, ErrorsAreOneLineWithACode) {
+  const Args scenario{"--scenario", path("hall.yaml")};
+  const std::string log = kLog[1], map = kLog[3], truth = kLog[5];
+  struct Case {
+    Args args;
+    int code;
+    const char* words;
+  };
+  const Case cases[] = {
+      {{}, 2, "--scenario or --log"},
+      {with(scenario, {"--log", log}), 2, "not both"},
+      {with(scenario, {"--trials", "0"}), 2, "--trials"},
+      {with(scenario, {"--trials", "-3"}), 2, "--trials"},
+      {with(scenario, {"--trials", "many"}), 2, "--trials"},
+      {with(scenario, {"--task", "dance"}), 2, "global, kidnap or track"},
+      {with(scenario, {"--jobs", "0"}), 2, "--jobs"},
+      {with(scenario, {"--particles", "0"}), 2, "particles"},
+      {with(scenario, {"--range", "nan"}), 2, "--range"},
+      {with(scenario, {"--fov", "0"}), 2, "--fov"},
+      {with(scenario, {"--duration", "0"}), 2, "--duration"},
+      {with(scenario, {"--limit", "-1"}), 2, "--limit"},
+      {with(scenario, {"--seed", "-1"}), 2, "--seed"},
+      {with(scenario, {"--starts", "3"}), 2, "expected --log"},
+      {with(scenario, {"--map", path("missing.yaml")}), 3, "missing.yaml"},
+      {with(scenario, {"--config", path("missing.yaml")}), 4, "missing.yaml"},
+      {with(scenario, {"--out", "/dev/null/x"}), 5, "/dev/null/x"},
+      {with(scenario, {"--samples", "/dev/null/x.csv"}), 5, "/dev/null/x.csv"},
+      {{"--scenario", path("mapless.yaml")}, 2, "expected --map"},
+      {{"--scenario", path("typo.yaml")}, 4, "typo.yaml"},
+      {{"--log", log, "--map", map}, 2, "--truth"},
+      {{"--log", log, "--truth", truth}, 2, "--map"},
+      {{"--log", log, "--map", map, "--truth", path("missing.tum")}, 3, "missing.tum"},
+      {{"--log", log, "--map", map, "--truth", path("elsewhen.tum")}, 3, "elsewhen.tum"},
+      {{"--log", path("empty.log"), "--map", map, "--truth", truth}, 3, "found none"},
+      {{"--log", log, "--map", map, "--truth", truth, "--task", "kidnap"}, 2, "simulated"},
+      {{"--log", log, "--map", map, "--truth", truth, "--range", "5"}, 2, "simulated"},
+      {{"--log", log, "--map", map, "--truth", truth, "--starts", "3", "--seed", "4"}, 2, "from 1 to 3"},
+  };
+  for (const Case& c : cases) {
+    Args args = c.args;
+    if (args.empty() || args[0] != "evaluate") args = with(args, {});
+    const Outcome o = runner->call(args);
+    EXPECT_EQ(o.code, c.code) << o.err << o.out;
+    EXPECT_NE(o.err.find(c.words), std::string::npos) << o.err;
+    EXPECT_EQ(std::count(o.err.begin(), o.err.end(), '\n'), 1) << o.err;
+  }
+}
+
+TEST_F(EvaluateProgram, HelpFitsAScreen) {
+  const Outcome o = runner->call({"evaluate", "--help"});
+  EXPECT_EQ(o.code, 0);
+  EXPECT_LE(std::count(o.out.begin(), o.out.end(), '\n'), 25);
+}
+
+}  // namespace
+}  // namespace parloc

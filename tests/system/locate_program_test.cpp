@@ -1,0 +1,144 @@
+// `parloc locate` as a person or a script meets it: its answers, exit codes and files.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <memory>
+#include <nlohmann/json.hpp>
+#include <string>
+
+#include "common/eval/simulator.h"
+#include "common/map/map_reader.h"
+#include "tests/system/program_runner.h"
+
+namespace parloc {
+namespace {
+
+using Json = nlohmann::json;
+using test::Args;
+using test::Outcome;
+using test::write_file;
+
+constexpr double kTurn_rad = 6.283185307179586;
+const Pose kTruth{8.5, 4.0, -2.0};
+
+std::string scan_yaml(const GridMap& map, const Pose& pose) {
+  std::string text = "angle_min_deg: -180\nangle_step_deg: 2\nrange_min: 0.1\nrange_max: 30\nranges: [";
+  for (int b = 0; b < 180; ++b) {
+    const double angle_rad = pose.theta_rad - kTurn_rad / 2 + kTurn_rad * b / 180;
+    text += std::to_string(cast_simulated_ray(map, pose.x_m, pose.y_m, angle_rad, 30.0).range_m) + ", ";
+  }
+  return text + ".nan]\n";
+}
+
+class LocateProgram : public testing::Test {
+ protected:
+  static void SetUpTestSuite() {
+    runner = std::make_unique<test::ProgramRunner>(PARLOC_PROGRAM, "parloc_locate_test");
+    const GridMap fine = read_map("maps/fine/hall_obstacles.yaml");
+    write_file(runner->folder() / "scan.yaml", scan_yaml(fine, kTruth));
+    write_file(runner->folder() / "symmetric.yaml",
+               scan_yaml(read_map("maps/fine/hall.yaml"), {6, 3.5, 0.5}));
+    write_file(runner->folder() / "blind.yaml",
+               "angle_min_deg: 0\nangle_step_deg: 1\nranges: [.nan, .inf, 0]\n");
+    write_file(runner->folder() / "typo.yaml",
+               "angle_min_deg: 0\nangle_step_deg: 1\nrange_mox: 3\nranges: [1]\n");
+    write_file(runner->folder() / "words.yaml", "angle_min_deg: 0\nangle_step_deg: 1\nranges: [1, two]\n");
+    write_file(runner->folder() / "empty.log", "# nothing\n");
+  }
+  static void TearDownTestSuite() { runner.reset(); }
+  static std::string path(const std::string& name) { return runner->path(name); }
+  static Outcome locate(const Args& more, const std::string& map = "maps/hall_obstacles.yaml") {
+    Args args{"locate", "--map", map, "--backend", "cpu"};
+    args.insert(args.end(), more.begin(), more.end());
+    return runner->call(args);
+  }
+  static inline std::unique_ptr<test::ProgramRunner> runner;
+};
+
+TEST_F(LocateProgram, FindsAScanOfAFileAndWritesWhatItFound) {
+  const Outcome o = locate({"--scan", path("scan.yaml"), "--json", "--out", path("out")});
+  ASSERT_EQ(o.code, 0) << o.err;
+  const Json j = Json::parse(o.out);
+  EXPECT_EQ(j["verdict"], "found");
+  const Json& best = j["hypotheses"][0];
+  EXPECT_LT(std::hypot(best["x_m"].get<double>() - kTruth.x_m, best["y_m"].get<double>() - kTruth.y_m), 0.07);
+  EXPECT_NEAR(best["theta_rad"].get<double>(), kTruth.theta_rad, 0.01);
+  EXPECT_GT(best["explained"].get<double>(), 0.9);
+  EXPECT_EQ(Json::parse(test::read_file(path("out/hypotheses.json"))), j);
+  EXPECT_EQ(test::read_file(path("out/picture.png")).substr(1, 3), "PNG");
+}
+
+TEST_F(LocateProgram, SaysWhatIsAmbiguousAndTakesPriors) {
+  const Outcome both = locate({"--scan", path("symmetric.yaml")}, "maps/hall.yaml");
+  ASSERT_EQ(both.code, 0) << both.err;
+  EXPECT_NE(both.out.find("ambiguous: 2 places"), std::string::npos) << both.out;
+  for (const Args& prior : {Args{"--near", "6,3,2"}, Args{"--heading", "0.4,0.5"}}) {
+    Args args{"--scan", path("symmetric.yaml"), "--top", "1"};
+    args.insert(args.end(), prior.begin(), prior.end());
+    const Outcome one = locate(args, "maps/hall.yaml");
+    ASSERT_EQ(one.code, 0) << one.err;
+    EXPECT_NE(one.out.find("found: one place"), std::string::npos) << one.out;
+  }
+}
+
+TEST_F(LocateProgram, TakesAScanFromALog) {
+  const Args log{"--log", "maps/logs/malaga_corridor.log.gz", "--scan-number", "7"};
+  const Outcome o = locate(log, "maps/malaga_corridor.yaml");
+  EXPECT_EQ(o.code, 0) << o.err;
+  EXPECT_NE(o.out.find("scan 7 of maps/logs/malaga_corridor.log.gz"), std::string::npos) << o.out;
+}
+
+TEST_F(LocateProgram, NothingFoundHasACodeOfItsOwn) {
+  const Outcome blind = locate({"--scan", path("blind.yaml"), "--out", path("blind")});
+  EXPECT_EQ(blind.code, 7);
+  EXPECT_NE(blind.out.find("none"), std::string::npos);
+  EXPECT_TRUE(blind.err.empty()) << blind.err;
+  EXPECT_EQ(Json::parse(test::read_file(path("blind/hypotheses.json")))["verdict"], "none");
+  EXPECT_EQ(locate({"--scan", path("scan.yaml")}, "maps/empty.yaml").code, 7);  // a map without walls
+}
+
+TEST_F(LocateProgram, ErrorsAreOneLineWithACode) {
+  const std::string scan = path("scan.yaml"), log = "maps/logs/malaga_corridor.log.gz";
+  struct Case {
+    Args args;
+    int code;
+    const char* words;
+  };
+  const Case cases[] = {
+      {{}, 2, "expected a scan"},
+      {{"--scan", scan, "--log", log}, 2, "not both"},
+      {{"--scan", scan, "--at", "3"}, 2, "expected --log"},
+      {{"--log", log, "--at", "3", "--scan-number", "2"}, 2, "not both"},
+      {{"--log", log, "--scan-number", "0"}, 2, "from 1 up"},
+      {{"--log", log, "--at", "-1"}, 2, "--at"},
+      {{"--scan", scan, "--top", "0"}, 2, "--top"},
+      {{"--scan", scan, "--near", "1,2"}, 2, "--near"},
+      {{"--scan", scan, "--near", "1,2,-3"}, 2, "--near"},
+      {{"--scan", scan, "--heading", "1,nan"}, 2, "--heading"},
+      {{"--scan", scan, "--backend", "abacus"}, 2, "--backend"},
+      {{"--scan", scan, "--near", "500,500,1"}, 3, "no free cell"},
+      {{"--scan", path("missing.yaml")}, 3, "missing.yaml"},
+      {{"--scan", path("typo.yaml")}, 3, "typo.yaml:3"},
+      {{"--scan", path("words.yaml")}, 3, "number 2"},
+      {{"--log", path("empty.log")}, 3, "found none"},
+      {{"--log", log, "--scan-number", "100000"}, 3, "expected 100000 scans"},
+      {{"--log", log, "--at", "100000"}, 3, "ends before"},
+      {{"--scan", scan, "--out", "/dev/null/x"}, 5, "/dev/null/x"},
+  };
+  for (const Case& c : cases) {
+    const Outcome o = locate(c.args);
+    EXPECT_EQ(o.code, c.code) << o.err << o.out;
+    EXPECT_NE(o.err.find(c.words), std::string::npos) << o.err;
+    EXPECT_EQ(std::count(o.err.begin(), o.err.end(), '\n'), 1) << o.err;
+  }
+}
+
+TEST_F(LocateProgram, HelpFitsAScreen) {
+  const Outcome o = runner->call({"locate", "--help"});
+  EXPECT_EQ(o.code, 0);
+  EXPECT_LE(std::count(o.out.begin(), o.out.end(), '\n'), 32);
+}
+
+}  // namespace
+}  // namespace parloc

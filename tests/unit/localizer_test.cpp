@@ -1,0 +1,207 @@
+// The closed loop on small simulated maps: start anywhere, track, be kidnapped, and say so when in doubt.
+#include "common/localize/localizer.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <limits>
+
+#include "common/math/portable64.h"
+#include "cpu/simd.h"
+#include "tests/unit/localize_scenes.h"
+
+namespace parloc {
+namespace {
+
+using test::drive;
+using test::feed;
+using test::small_localizer;
+
+double error_m(const LocalizerEstimate& said, const Pose& truth) {
+  return std::hypot(said.filter.pose.x_m - truth.x_m, said.filter.pose.y_m - truth.y_m);
+}
+bool near(const Pose& a, const Pose& b) {
+  return std::hypot(a.x_m - b.x_m, a.y_m - b.y_m) < 0.5 &&
+         std::fabs(wrap64(a.theta_rad - b.theta_rad)) < 0.17;
+}
+std::vector<LocalizerEstimate> run_anywhere(const LocalizerConfig& config, const GridMap& map,
+                                            const TrialLog& log, const SearchPrior& prior = {}) {
+  Localizer localizer(config, map);
+  localizer.start_anywhere(prior);
+  return feed(localizer, log.records);
+}
+
+TEST(Localizer, FindsItselfAndTracks) {
+  const GridMap map = test::two_rooms();
+  for (const std::uint64_t seed : {1u, 2u, 3u}) {
+    const TrialLog log = drive(map, TrialTask::global, 6.0, seed);
+    const auto said = run_anywhere(small_localizer(), map, log);
+    ASSERT_EQ(said.size(), log.truth.size());
+    EXPECT_TRUE(said.front().searched);
+    EXPECT_EQ(said.back().health.state, HealthState::tracking) << "seed " << seed;
+    EXPECT_GT(said.back().health.probability, 0.8);
+    EXPECT_LT(error_m(said.back(), log.truth.back().pose), 0.2);  // two cells
+    EXPECT_FALSE(said.back().searched);                           // settled: no more of it
+  }
+}
+
+// Before its first search the localizer does nothing that the bare filter does not: the same bits.
+TEST(Localizer, OnlyWatchesWhileItIsNotLost) {
+  const GridMap map = test::two_rooms();
+  const TrialLog log = drive(map, TrialTask::track, 6.0, 7);
+  const LocalizerConfig config = small_localizer();
+  Localizer watched(config, map);
+  watched.start_at(log.truth.front().pose, 0.2, 0.1, 0.1);
+  ParticleFilter bare(config.filter, map);
+  bare.start_at(log.truth.front().pose, 0.2, 0.1, 0.1);
+  const auto said = feed(watched, log.records);
+  std::size_t k = 0;
+  for (const LogRecord& r : log.records) {
+    bare.add_odometry(r.stamp_s, r.odometry);
+    if (r.kind == RecordKind::odometry) continue;
+    EXPECT_EQ(bare.step(r.odometry, r.scan).pose.x_m, said[k++].filter.pose.x_m);
+  }
+  EXPECT_EQ(watched.filter().digest(), bare.digest());
+  EXPECT_EQ(watched.searches(), 0u);
+  for (const LocalizerEstimate& e : said) EXPECT_EQ(e.health.state, HealthState::tracking);
+}
+
+TEST(Localizer, NoticesAKidnappingAndFindsItselfAgain) {
+  const GridMap map = test::two_rooms();
+  const TrialLog log = drive(map, TrialTask::kidnap, 6.0, 2);
+  for (const bool recover : {true, false}) {
+    LocalizerConfig config = small_localizer();
+    config.recover = recover;
+    Localizer localizer(config, map);
+    localizer.start_at(log.truth.front().pose, 0.1, 0.1, 0.05);
+    const auto said = feed(localizer, log.records);
+    bool noticed = false;
+    for (std::size_t k = 0; k < said.size(); ++k) {
+      const double since_s = log.truth[k].stamp_s - log.kidnapped_s;
+      if (since_s < 0.0) {
+        EXPECT_EQ(said[k].health.state, HealthState::tracking);
+      }
+      noticed = noticed || (since_s >= 0.0 && since_s < 2.0 && said[k].health.state == HealthState::lost);
+    }
+    EXPECT_TRUE(noticed);
+    if (recover) {
+      EXPECT_EQ(said.back().health.state, HealthState::tracking);
+      EXPECT_LT(error_m(said.back(), log.truth.back().pose), 0.2);
+      EXPECT_GE(localizer.searches(), 1u);
+    } else {
+      EXPECT_EQ(localizer.searches(), 0u);
+      EXPECT_GT(error_m(said.back(), log.truth.back().pose), 0.5);
+      EXPECT_EQ(said.back().health.state, HealthState::lost);
+    }
+  }
+}
+
+TEST(Localizer, WithoutRecoveryAStartAnywhereIsSearchedOnce) {
+  const GridMap map = test::two_rooms();
+  const TrialLog log = drive(map, TrialTask::global, 4.0, 3);
+  LocalizerConfig config = small_localizer();
+  config.recover = false;
+  const auto said = run_anywhere(config, map, log);
+  for (std::size_t k = 0; k < said.size(); ++k) EXPECT_EQ(said[k].searched, k == 0) << k;
+  EXPECT_EQ(said.back().health.state, HealthState::tracking);
+}
+
+TEST(Localizer, ASymmetricRoomStaysAmbiguousWithBothPoses) {
+  const GridMap room = test::bare_room();
+  const TrialLog log = drive(room, TrialTask::global, 6.0, 4);
+  const auto said = run_anywhere(small_localizer(), room, log);
+  for (const LocalizerEstimate& e : said) EXPECT_NE(e.health.state, HealthState::tracking);
+  const Pose truth = log.truth.back().pose;
+  const Pose mirrored{8.0 - truth.x_m, 5.0 - truth.y_m, wrap64(truth.theta_rad + M_PI)};
+  const LocalizerEstimate& last = said.back();
+  EXPECT_EQ(last.health.state, HealthState::ambiguous);
+  bool has_truth = false, has_mirrored = false;
+  for (const Mode& mode : last.modes) {
+    has_truth = has_truth || near(mode.pose, truth);
+    has_mirrored = has_mirrored || near(mode.pose, mirrored);
+  }
+  EXPECT_TRUE(has_truth && has_mirrored) << last.modes.size() << " modes";
+
+  // A compass decides.
+  SearchPrior prior;
+  prior.heading = {{log.truth.front().pose.theta_rad, 0.5}};
+  const auto known = run_anywhere(small_localizer(), room, log, prior);
+  EXPECT_LT(error_m(known.front(), log.truth.front().pose), 0.3);
+}
+
+TEST(Localizer, OneOfSeveralCandidatesWins) {
+  const GridMap map = test::two_rooms();
+  const TrialLog log = drive(map, TrialTask::track, 5.0, 6);
+  Localizer localizer(small_localizer(), map);
+  const Pose truth = log.truth.front().pose;
+  localizer.start_at({{{truth.x_m < 7 ? 11.0 : 3.0, 3.0, 1.0}, 0.2, 0.1, 1.0}, {truth, 0.2, 0.1, 1.0}});
+  const auto said = feed(localizer, log.records);
+  EXPECT_EQ(said.back().health.state, HealthState::tracking);
+  EXPECT_LT(error_m(said.back(), log.truth.back().pose), 0.2);
+}
+
+/// Everything that it says and the filter's digest, over a global start and a kidnapping.
+std::string all_bits(const TrialLog& log, const GridMap& map, int threads) {
+  Localizer localizer(small_localizer(threads), map);
+  localizer.start_anywhere();
+  std::string text;
+  for (const LocalizerEstimate& e : feed(localizer, log.records)) {
+    text.append(reinterpret_cast<const char*>(&e.health.probability), sizeof(double));
+    text.append(reinterpret_cast<const char*>(&e.filter.pose), sizeof(Pose));
+    text += std::to_string(e.modes.size()) + (e.searched ? "s" : "-") + std::to_string(e.found);
+  }
+  return text + localizer.filter().digest();
+}
+
+TEST(Localizer, TheSameBitsWithAnyThreadsAndInstructionSet) {
+  const GridMap map = test::two_rooms();
+  const TrialLog log = drive(map, TrialTask::kidnap, 2.4, 8);
+  const std::string expected = all_bits(log, map, 1);
+  EXPECT_EQ(all_bits(log, map, 2), expected);
+  for (const cpu::Simd most : {cpu::Simd::baseline, cpu::Simd::avx2}) {
+    cpu::limit_simd(most);
+    const bool same = all_bits(log, map, 2) == expected;
+    cpu::limit_simd(cpu::Simd::avx512);
+    EXPECT_TRUE(same) << cpu::simd_name(most);
+  }
+}
+
+TEST(Localizer, ScansWithoutBeamsAreNoPlace) {
+  const GridMap map = test::two_rooms();
+  TrialLog log = drive(map, TrialTask::global, 2.0, 1);
+  TrialLog blind = log;
+  for (LogRecord& r : blind.records) r.scan.ranges_m.clear();
+  for (const LocalizerEstimate& e : run_anywhere(small_localizer(), map, blind)) {
+    EXPECT_EQ(e.health.state, HealthState::lost);
+    EXPECT_EQ(e.found, 0u);
+  }
+  // Blind at first, it starts when it sees; also where it would not search again.
+  const std::size_t until = log.records.size() / 2;
+  for (std::size_t k = 0; k < until; ++k) log.records[k].scan.ranges_m.clear();
+  LocalizerConfig config = small_localizer();
+  config.recover = false;
+  const auto said = run_anywhere(config, map, log);
+  EXPECT_LT(error_m(said.back(), log.truth.back().pose), 0.3);
+}
+
+TEST(Localizer, AMapWithoutWallsHasNoPlace) {
+  const GridMap empty = grid_from_text(std::vector<std::string>(90, std::string(140, '.')), 0.1);
+  const TrialLog log = drive(test::two_rooms(), TrialTask::global, 1.0, 1);
+  for (const LocalizerEstimate& e : run_anywhere(small_localizer(), empty, log))
+    EXPECT_NE(e.health.state, HealthState::tracking);
+}
+
+TEST(Localizer, OdometryThatIsNotANumberIsPassedOver) {
+  const GridMap map = test::two_rooms();
+  TrialLog log = drive(map, TrialTask::global, 5.0, 2);
+  const double nan = std::numeric_limits<double>::quiet_NaN();
+  for (std::size_t k = 0; k < log.records.size(); k += 8) log.records[k].odometry.x_m = nan;
+  const auto said = run_anywhere(small_localizer(), map, log);
+  EXPECT_EQ(said.front().health.state, HealthState::lost);  // the first is such a one
+  EXPECT_FALSE(said.front().searched);
+  for (const LocalizerEstimate& e : said) EXPECT_TRUE(std::isfinite(e.filter.pose.x_m));
+  EXPECT_EQ(said.back().health.state, HealthState::tracking);
+}
+
+}  // namespace
+}  // namespace parloc

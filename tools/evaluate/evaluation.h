@@ -1,0 +1,50 @@
+// An evaluation with its results, and the forms in which it is told.
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "common/eval/trial_summary.h"
+#include "common/localize/localizer.h"
+#include "common/map/grid_map.h"
+#include "tools/bench/machine.h"
+
+namespace parloc::evaluate {
+
+struct Evaluation {
+  std::string command, date;  ///< As typed; UTC.
+  bench::Machine machine;
+  bool recorded = false;         ///< A log; else simulated.
+  std::string source, map_path;  ///< Where the trials come from, for people; what was localized on.
+  TrialPlan plan;
+  double limit_s = 0.0;
+  std::uint64_t first_seed = 1;
+  std::size_t wanted = 0;
+  int jobs = 1;
+  LocalizerConfig config;
+  bool interrupted = false;  ///< Fewer trials than wanted.
+  double wall_s = 0.0;
+  std::vector<TrialResult> trials;
+  TrialSummary summary;
+};
+
+const char* name_of(TrialTask task);
+
+/// What a reader wants to know first, as sentences: name and value.
+using Lines = std::vector<std::pair<std::string, std::string>>;
+Lines result_lines(const Evaluation& e);
+Lines time_lines(const Evaluation& e);    ///< What depends on the machine.
+Lines origin_lines(const Evaluation& e);  ///< What was evaluated, and how.
+/// "said 0.0 to 0.1: 12 samples, mean 0.03, right 1.2 %", the bins with samples.
+std::vector<std::vector<std::string>> reliability_rows(const Evaluation& e);
+
+std::string terminal_text(const Evaluation& e);
+/// Everything that is measured on a clock is in "times".
+std::string json_text(const Evaluation& e);
+std::string html_page(const Evaluation& e, const GridMap& map);
+/// One line per sample of every trial, as CSV with a header.
+std::string samples_csv(const Evaluation& e);
+
+}  // namespace parloc::evaluate

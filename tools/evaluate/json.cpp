@@ -1,0 +1,139 @@
+#include <nlohmann/json.hpp>
+
+#include "common/io/config.h"
+#include "tools/bench/build_info.h"
+#include "tools/evaluate/evaluation.h"
+
+namespace parloc::evaluate {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+Json rate_json(const Rate& r) {
+  return {{"hits", r.hits}, {"of", r.trials}, {"share", r.share}, {"low", r.low}, {"high", r.high}};
+}
+Json spread_json(const Spread& s) {
+  return {{"count", s.count}, {"median", s.median}, {"p95", s.p95}, {"most", s.most}};
+}
+Json seconds_or_null(const std::optional<double>& seconds) {
+  return seconds ? Json(*seconds) : Json(nullptr);
+}
+
+Json plan_json(const Evaluation& e) {
+  const TrialPlan& p = e.plan;
+  return {{"task", name_of(p.task)},
+          {"recorded", e.recorded},
+          {"source", e.source},
+          {"map", e.map_path},
+          {"first_seed", e.first_seed},
+          {"trials_wanted", e.wanted},
+          {"duration_s", p.duration_s > 0.0 ? Json(p.duration_s) : Json(nullptr)},
+          {"limit_s", e.limit_s},
+          {"hold_s", p.hold_s},
+          {"grace_s", p.grace_s},
+          {"near_m", p.near_m},
+          {"near_rad", p.near_rad},
+          {"speed_mps", e.recorded ? Json(nullptr) : Json(p.speed_mps)},
+          {"turn_rate_rad_s", e.recorded ? Json(nullptr) : Json(p.turn_rate_rad_s)}};
+}
+
+Json calibration_json(const Calibration& c) {
+  Json bins = Json::array();
+  for (const ReliabilityBin& b : c.bins)
+    bins.push_back({{"count", b.count}, {"forecast_mean", b.forecast_mean}, {"observed", b.observed}});
+  return {{"count", c.count}, {"right", c.came_true}, {"brier", c.brier}, {"auc", c.auc}, {"bins", bins}};
+}
+
+Json summary_json(const Evaluation& e) {
+  const TrialSummary& s = e.summary;
+  Json json{{"trials", s.trials},
+            {"unmapped", s.unmapped},
+            {"success", rate_json(s.success)},
+            {"localized", rate_json(s.localized)},
+            {"right_after", rate_json(s.right_after)},
+            {"localize_s", spread_json(s.localize_s)}};
+  if (e.plan.task == TrialTask::kidnap) {
+    json["tracked_before"] = rate_json(s.tracked_before);
+    json["noticed"] = rate_json(s.noticed);
+    json["notice_s"] = spread_json(s.notice_s);
+  }
+  json["confident_wrong"] = rate_json(s.confident_wrong);
+  json["confident_wrong_1s"] = rate_json(s.confident_wrong_1s);
+  json["driven_s"] = s.driven_s;
+  json["right_s"] = s.right_s;
+  json["wrong_s"] = s.wrong_s;
+  json["false_lost"] = s.false_lost;
+  json["false_lost_per_hour"] = s.false_lost_per_hour;
+  json["missed_lost"] = s.missed_lost;
+  json["rmse_m"] = s.rmse_m;
+  json["nees"] = {
+      {"trials", s.nees.count}, {"mean", s.nees.mean}, {"low", s.nees.low}, {"high", s.nees.high}};
+  json["calibration"] = calibration_json(s.calibration);
+  json["searches_mean"] = s.searches_mean;
+  json["searches_most"] = s.searches_most;
+  json["failed"] = s.failed;
+  return json;
+}
+
+Json trial_json(const Evaluation& e, const TrialResult& t) {
+  const TrialOutcome& o = t.outcome;
+  const auto since = static_cast<double>(o.since_localized);
+  Json json{{"seed", t.seed},
+            {"begun_s", t.begun_s},
+            {"start", {t.start.x_m, t.start.y_m, t.start.theta_rad}},
+            {"success", succeeded(o, e.limit_s)},
+            {"localized_after_s", seconds_or_null(o.localized_after_s)}};
+  if (e.plan.task == TrialTask::kidnap) {
+    json["tracked_before"] = o.tracked_before;
+    json["noticed_after_s"] = seconds_or_null(o.noticed_after_s);
+  }
+  json["samples"] = o.samples;
+  json["right"] = o.right;
+  json["wrong_since"] = o.wrong_since;
+  json["confident_wrong"] = o.confident_wrong;
+  json["confident_wrong_s"] = o.confident_wrong_s;
+  json["false_lost"] = o.false_lost;
+  json["right_s"] = o.right_s;
+  json["wrong_s"] = o.wrong_s;
+  json["missed_lost_s"] = o.missed_lost_s;
+  json["mean_squared_error_m2"] = o.squared_error_m2 / since;  // NaN, which JSON has as null, if never
+  json["nees_mean"] = o.nees_sum / static_cast<double>(o.nees_count);
+  json["searches"] = t.searches;
+  return json;
+}
+
+Json times_json(const Evaluation& e) {
+  return {{"step_ms", spread_json(e.summary.step_ms)},
+          {"search_step_ms", spread_json(e.summary.search_ms)},
+          {"wall_s", e.wall_s},
+          {"jobs", e.jobs},
+          {"date", e.date},
+          {"machine",
+           {{"cpu", e.machine.cpu},
+            {"cores", e.machine.cores},
+            {"memory_bytes", e.machine.memory_bytes},
+            {"os", e.machine.os},
+            {"load_average", e.machine.load_average},
+            {"devices", e.machine.devices}}}};
+}
+
+}  // namespace
+
+std::string json_text(const Evaluation& e) {
+  Json json{{"tool", "parloc evaluate"}, {"command", e.command}, {"interrupted", e.interrupted}};
+  json["build"] = {{"version", bench::kVersion},
+                   {"commit", bench::kCommit[0] == '\0' ? Json(nullptr) : Json(bench::kCommit)},
+                   {"compiler", bench::kCompiler},
+                   {"flags", bench::kFlags},
+                   {"build_type", bench::kBuildType}};
+  json["plan"] = plan_json(e);
+  json["config"] = config_to_yaml(e.config.filter);
+  json["summary"] = summary_json(e);
+  json["times"] = times_json(e);
+  json["trials"] = Json::array();
+  for (const TrialResult& t : e.trials) json["trials"].push_back(trial_json(e, t));
+  // A file name in `command` may hold any bytes.
+  return json.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
+}
+
+}  // namespace parloc::evaluate

@@ -1,0 +1,165 @@
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <iterator>
+
+#include "common/io/html_text.h"
+#include "common/io/map_view.h"
+#include "common/io/report_parts.h"
+#include "tools/bench/table.h"
+#include "tools/bench/xy_plot.h"
+#include "tools/evaluate/evaluation.h"
+
+namespace parloc::evaluate {
+namespace {
+
+constexpr std::int32_t kLeastMap_px = 600, kMostMap_px = 1600;
+constexpr std::size_t kMostCurvePoints = 1000;
+
+std::string facts_table(const Lines& lines, const char* kind) {
+  std::string html = fmt::format("<table{}>", kind);
+  for (const auto& [name, value] : lines)
+    html += fmt::format("<tr><th>{}</th><td>{}</td></tr>", escape_html(name), escape_html(value));
+  return html + "</table>\n";
+}
+
+/// Whole multiples of 1, 2 or 5 times a power of ten: about six of them.
+std::vector<double> ticks_to(double most) {
+  const double decade = std::pow(10.0, std::floor(std::log10(most / 4)));
+  double step = 10 * decade;
+  for (const double factor : {5.0, 2.0, 1.0})
+    if (factor * decade * 7 >= most) step = factor * decade;
+  std::vector<double> ticks;
+  for (int k = 0; k * step <= most * 1.0001; ++k) ticks.push_back(k * step);
+  return ticks;
+}
+
+/// Steps of the share of all trials that have come to it by then.
+bench::Curve cumulative(const std::string& label, const char* colour, std::vector<double> times_s,
+                        std::size_t trials, double until_s) {
+  std::sort(times_s.begin(), times_s.end());
+  bench::Curve c{label, colour, bench::Marker::circle, false, {0.0}, {0.0}, false};
+  const std::size_t stride = times_s.size() / kMostCurvePoints + 1;
+  for (std::size_t k = stride - 1; k < times_s.size(); k += stride) {
+    c.x.insert(c.x.end(), {times_s[k], times_s[k]});
+    c.y.insert(c.y.end(), {c.y.back(), 100.0 * static_cast<double>(k + 1) / static_cast<double>(trials)});
+  }
+  const double last = 100.0 * static_cast<double>(times_s.size()) / static_cast<double>(trials);
+  c.x.push_back(until_s);
+  c.y.push_back(last);
+  return c;
+}
+
+std::string time_plot(const Evaluation& e) {
+  std::vector<double> localized_s, noticed_s;
+  for (const TrialResult& t : e.trials) {
+    if (t.outcome.localized_after_s) localized_s.push_back(*t.outcome.localized_after_s);
+    if (t.outcome.noticed_after_s) noticed_s.push_back(*t.outcome.noticed_after_s);
+  }
+  double until_s = 1.5 * e.limit_s;
+  for (const double t : localized_s) until_s = std::max(until_s, 1.05 * t);
+  bench::XyPlot plot;
+  plot.title = "Trials localized by then, %";
+  plot.x_name = e.plan.task == TrialTask::kidnap ? "s since the kidnapping" : "s since the start";
+  plot.unit = bench::YUnit::plain;
+  plot.y_logarithmic = false;
+  plot.y_span = {0.0, 100.0};
+  plot.curves.push_back(cumulative("localized", "c1", localized_s, e.trials.size(), until_s));
+  if (e.plan.task == TrialTask::kidnap)
+    plot.curves.push_back(cumulative("noticed", "c5", noticed_s, e.trials.size(), until_s));
+  plot.curves.push_back(
+      {"limit", "c6", bench::Marker::circle, true, {e.limit_s, e.limit_s}, {0.0, 100.0}, false});
+  plot.x_ticks = ticks_to(until_s);
+  return "<div>" + bench::render(plot) + bench::render_legend(plot.curves) + "</div>";
+}
+
+std::string reliability_plot(const Evaluation& e) {
+  bench::Curve measured{"measured", "c1", bench::Marker::circle, false, {}, {}, true};
+  for (const ReliabilityBin& bin : e.summary.calibration.bins) {
+    if (bin.count == 0) continue;
+    measured.x.push_back(bin.forecast_mean);
+    measured.y.push_back(bin.observed);
+  }
+  bench::XyPlot plot;
+  plot.title = "Share of scans that were right";
+  plot.x_name = "probability of being right, as it says";
+  plot.unit = bench::YUnit::plain;
+  plot.y_logarithmic = false;
+  plot.x_ticks = {0.0, 0.2, 0.4, 0.6, 0.8, 1.0};
+  plot.y_span = {0.0, 1.0};
+  plot.curves = {{"as it should be", "c6", bench::Marker::circle, true, {0.0, 1.0}, {0.0, 1.0}, false},
+                 measured};
+  return "<div>" + bench::render(plot) + bench::render_legend(plot.curves) + "</div>";
+}
+
+bench::Table reliability_table(const Evaluation& e) {
+  bench::Table table;
+  table.title = "Probability of being right";
+  table.columns = {{"", "it says", true}, {"", "scans"}, {"", "mean said"}, {"", "was right"}};
+  table.rows = reliability_rows(e);
+  return table;
+}
+
+/// Dots at the starts with that outcome, each with a tip that names its seed.
+std::string dots(const Evaluation& e, const MapView& view, bool success) {
+  std::string svg;
+  for (const TrialResult& t : e.trials) {
+    if (succeeded(t.outcome, e.limit_s) != success || !drawable_point(t.start.x_m, t.start.y_m)) continue;
+    const Pixel at = view.to_pixel(t.start.x_m, t.start.y_m);
+    fmt::format_to(std::back_inserter(svg),
+                   "<path class=\"{}\" d=\"M{:.1f} {:.1f}h0\"><title>seed {}</title></path>",
+                   success ? "came c4" : "failed c5", at.x, at.y, t.seed);
+  }
+  return svg;
+}
+
+std::string map_figure(const Evaluation& e, const GridMap& map) {
+  RunReport only_map;
+  only_map.map = &map;
+  const std::optional<MapView> fitted = fit_view(only_map, kLeastMap_px, kMostMap_px);
+  if (!fitted) return "";
+  const MapView& view = *fitted;
+  std::string html = std::string("<h2>Where they started</h2>\n") + invert_filter();
+  html +=
+      "<figure><figcaption><span class=\"key\"><i class=\"dot c4\"></i>success</span><span class=\"key\"><i "
+      "class=\"dot c5\"></i>failure</span></figcaption>";
+  html += fmt::format(
+      "<div class=\"map\" style=\"max-width:{:.1f}vh\"><svg viewBox=\"0 0 {} {}\" role=\"img\" "
+      "aria-label=\"Map with the starts\">",
+      85.0 * view.width_px / view.height_px, view.width_px, view.height_px);
+  html += map_image(map, view) + dots(e, view, true) + dots(e, view, false) + "</svg>" + scale_bar(view);
+  return html + "</div></figure>\n";
+}
+
+constexpr const char* kStyle =
+    ".came{stroke-width:7px}.failed{stroke-width:10px}th{width:22%;overflow-wrap:normal}table.numbers "
+    "th{width:auto}";
+
+}  // namespace
+
+std::string html_page(const Evaluation& e, const GridMap& map) {
+  const std::string title = fmt::format("parloc evaluate: {}", name_of(e.plan.task));
+  std::string html = fmt::format(
+      "<!DOCTYPE html>\n<html lang=\"en\"><head><meta charset=\"utf-8\"><meta name=\"viewport\" "
+      "content=\"width=device-width,initial-scale=1\"><title>{}</title><style>{}{}{}</style></head><body>\n"
+      "<h1>{}</h1>\n<p class=\"note\">{}</p><code>{}</code>\n",
+      title, report_style(), bench::bench_style(), kStyle, title, escape_html(e.date),
+      escape_html(e.command));
+  if (e.interrupted)
+    html += fmt::format("<div class=\"warning\">Interrupted: {} of {} trials.</div>\n", e.trials.size(),
+                        e.wanted);
+  html += facts_table(result_lines(e), " class=\"summary\"");
+  html += "<h2>How soon, and how honest</h2>\n<div class=\"xys\">" + time_plot(e) + reliability_plot(e) +
+          "</div>\n";
+  html += bench::html_text(reliability_table(e));
+  html += map_figure(e, map);
+  html += "<h2>What was evaluated</h2>\n" + facts_table(origin_lines(e), "");
+  html +=
+      "<h2>Times on this machine</h2>\n<p class=\"note\">All else on this page is the same on every "
+      "machine.</p>\n" +
+      facts_table(time_lines(e), "");
+  return html + "</body></html>\n";
+}
+
+}  // namespace parloc::evaluate
