@@ -129,7 +129,7 @@ class CpuSearch final : public SearchBackend {
   CpuSearch(const SearchMap& map, int threads)
       : map_(map),
         threads_(threads > 0 ? threads : omp_get_num_procs()),
-        champions_(map.free_blocks.size() * kHeadingBins) {}
+        champions_(map.free_blocks.size() * kTurnBins) {}
 
   std::string name() const override {
     return std::string("cpu (") + cpu::simd_name(cpu::simd_level()) + ", " + std::to_string(threads_) +

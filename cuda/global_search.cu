@@ -171,7 +171,7 @@ class CudaSearch final : public SearchBackend {
   CudaSearch(const SearchMap& map, int device, std::string device_name)
       : device_(selected(device)),
         device_name_(std::move(device_name)),
-        champions_(map.free_blocks.size() * kHeadingBins) {
+        champions_(map.free_blocks.size() * kTurnBins) {
     stream_ = make_stream();
     cells_.from_host(map.cells.bytes, stream_);
     windows_.from_host(map.windows.bytes, stream_);

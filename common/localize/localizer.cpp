@@ -52,7 +52,7 @@ LocalizerConfig localizer_config(const FilterConfig& config) {
 
 struct Localizer::State {
   State(const LocalizerConfig& c, const GridMap& map)
-      : config(c), filter(c.filter, map), search(map, c.search), evidence(map), T_map_grid(map.T_map_grid) {}
+      : config(c), filter(c.filter, map), evidence(map), T_map_grid(map.T_map_grid) {}
 
   void begin(bool is_lost, bool is_settled, const SearchPrior& known);
   std::vector<Mode> modes_at(const Pose& odometry) const;
@@ -64,7 +64,7 @@ struct Localizer::State {
 
   LocalizerConfig config;
   ParticleFilter filter;
-  GlobalSearch search;
+  std::unique_ptr<GlobalSearch> search;  // made when there is something to search
   ScanEvidence evidence;
   Pose T_map_grid;
   SearchPrior prior;
@@ -104,7 +104,8 @@ bool Localizer::State::search_is_due(const Pose& odometry, double stamp_s) const
 
 std::vector<Hypothesis> Localizer::State::search_map(const Pose& odometry, const Scan& scan,
                                                      LocalizerEstimate& out) {
-  SearchResult result = search.search(filter.beams(scan), prior);
+  if (!search) search = std::make_unique<GlobalSearch>(filter.map(), config.search);
+  SearchResult result = search->search(filter.beams(scan), prior);
   searched_s = scan.stamp_s;
   searched_odometry = odometry;
   ++searches;
@@ -184,7 +185,9 @@ void Localizer::State::judge(const Scan& scan, LocalizerEstimate& out) {
 }
 
 Localizer::Localizer(const LocalizerConfig& config, const GridMap& map)
-    : state_(std::make_unique<State>(config, map)) {}
+    : state_(std::make_unique<State>(config, map)) {
+  validate(config.search);
+}
 Localizer::~Localizer() = default;
 Localizer::Localizer(Localizer&&) noexcept = default;
 Localizer& Localizer::operator=(Localizer&&) noexcept = default;

@@ -39,7 +39,7 @@ struct LocalizerEstimate {
 /// bits on every backend, thread count and instruction set.
 class Localizer {
  public:
-  /// Throws as ParticleFilter and GlobalSearch.
+  /// Throws as ParticleFilter and GlobalSearch. What a search needs of the map is made at the first one.
   Localizer(const LocalizerConfig& config, const GridMap& map);
   ~Localizer();
   Localizer(Localizer&&) noexcept;

@@ -16,24 +16,6 @@ void expect(bool good, const char* setting, const char* limits) {
   if (!good) throw Error(ErrorKind::config, std::string("search.") + setting + ": expected " + limits);
 }
 
-void validate(const SearchConfig& c) {
-  expect(c.cell_m > 0.0 && c.cell_m <= 10.0, "cell_m", "a number above 0, at most 10");
-  expect(c.sigma_m > 0.0 && c.sigma_m <= 10.0, "sigma_m", "a number above 0, at most 10");
-  expect(c.beams >= 1 && c.beams <= 256, "beams", "a whole number from 1 to 256");
-  expect(c.heading_cells > 0.0 && c.heading_cells <= 100.0, "heading_cells", "a number above 0, at most 100");
-  expect(c.max_headings >= 72 && c.max_headings <= 10000, "max_headings", "a whole number from 72 to 10000");
-  expect(c.least_score >= 0.0 && c.least_score <= 1.0, "least_score", "a number from 0 to 1");
-  expect(c.least_share >= 0.0 && c.least_share <= 1.0, "least_share", "a number from 0 to 1");
-  expect(c.separation_m >= 0.0 && std::isfinite(c.separation_m), "separation_m", "a number from 0 up");
-  expect(c.separation_rad >= 0.0 && c.separation_rad <= kPi, "separation_rad", "a number from 0 to pi");
-  expect(c.candidates >= 1 && c.candidates <= 10000, "candidates", "a whole number from 1 to 10000");
-  expect(c.most >= 1 && c.most <= c.candidates, "most", "a whole number from 1 to candidates");
-  expect(c.effective_beams > 0.0 && c.effective_beams <= 4096.0, "effective_beams",
-         "a number above 0, at most 4096");
-  expect(c.ambiguous_share >= 0.0 && c.ambiguous_share <= 1.0, "ambiguous_share", "a number from 0 to 1");
-  expect(c.threads >= 0 && c.threads <= 4096, "threads", "a whole number from 0 to 4096");
-}
-
 std::unique_ptr<SearchBackend> choose_backend(const SearchMap& map, const SearchConfig& c, std::string& why) {
 #if PARLOC_WITH_CUDA
   if (c.backend == BackendChoice::cuda ||
@@ -58,6 +40,24 @@ std::int32_t block_of(double x_m, double cell_m, std::int32_t blocks) {
 }
 
 }  // namespace
+
+void validate(const SearchConfig& c) {
+  expect(c.cell_m > 0.0 && c.cell_m <= 10.0, "cell_m", "a number above 0, at most 10");
+  expect(c.sigma_m > 0.0 && c.sigma_m <= 10.0, "sigma_m", "a number above 0, at most 10");
+  expect(c.beams >= 1 && c.beams <= 256, "beams", "a whole number from 1 to 256");
+  expect(c.heading_cells > 0.0 && c.heading_cells <= 100.0, "heading_cells", "a number above 0, at most 100");
+  expect(c.max_headings >= 72 && c.max_headings <= 10000, "max_headings", "a whole number from 72 to 10000");
+  expect(c.least_score >= 0.0 && c.least_score <= 1.0, "least_score", "a number from 0 to 1");
+  expect(c.least_share >= 0.0 && c.least_share <= 1.0, "least_share", "a number from 0 to 1");
+  expect(c.separation_m >= 0.0 && std::isfinite(c.separation_m), "separation_m", "a number from 0 up");
+  expect(c.separation_rad >= 0.0 && c.separation_rad <= kPi, "separation_rad", "a number from 0 to pi");
+  expect(c.candidates >= 1 && c.candidates <= 10000, "candidates", "a whole number from 1 to 10000");
+  expect(c.most >= 1 && c.most <= c.candidates, "most", "a whole number from 1 to candidates");
+  expect(c.effective_beams > 0.0 && c.effective_beams <= 4096.0, "effective_beams",
+         "a number above 0, at most 4096");
+  expect(c.ambiguous_share >= 0.0 && c.ambiguous_share <= 1.0, "ambiguous_share", "a number from 0 to 1");
+  expect(c.threads >= 0 && c.threads <= 4096, "threads", "a whole number from 0 to 4096");
+}
 
 struct GlobalSearch::State {
   State(const GridMap& grid, const SearchConfig& c)

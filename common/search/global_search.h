@@ -38,6 +38,9 @@ struct SearchResult {
   bool too_many = false;       ///< There may be more than those.
 };
 
+/// Throws Error{config} for an impossible value.
+void validate(const SearchConfig& config);
+
 /// Not thread-safe; one object per map. Deterministic: the same map, configuration and beams give the same
 /// bits on every backend, thread count and instruction set.
 class GlobalSearch {

@@ -25,7 +25,7 @@ constexpr std::uint32_t kMostValue = 63;
 constexpr std::int32_t kSweepLanes = 64;
 
 /// Directions are put together in this many bins when the best pose of a place is kept.
-constexpr std::int32_t kHeadingBins = 36;
+constexpr std::int32_t kTurnBins = 36;
 
 /// Rows of bytes with zeros around them.
 struct SearchPlane {
@@ -157,7 +157,7 @@ PARLOC_HD std::uint32_t bound_of_block(const SearchTask& t, std::int32_t k, std:
 PARLOC_HD std::int64_t champion_slot(const SearchTask& t, std::int32_t k, std::int32_t block_i,
                                      std::int32_t block_j) {
   const std::int64_t block = std::int64_t{block_j} * t.grid.blocks_x() + block_i;
-  return block * kHeadingBins + std::int64_t{k} * kHeadingBins / t.headings;
+  return block * kTurnBins + std::int64_t{k} * kTurnBins / t.headings;
 }
 
 /// What is left out is below the threshold of a score that some pose has, hence below the final one: the

@@ -11,7 +11,7 @@
 
 namespace parloc {
 
-/// Champions: by top block and heading bin (kHeadingBins) the best pose of the lattice, as pose_key.
+/// Champions: by top block and heading bin (kTurnBins) the best pose of the lattice, as pose_key.
 class SearchBackend {
  public:
   virtual ~SearchBackend() = default;
