@@ -563,25 +563,30 @@ def interrupt(*_):
     raise KeyboardInterrupt
 
 
-def main():
-    args = parse_arguments()
+def run_tool(name, args, run):
+    """run(args, program, work folder), with one line and an exit code for what goes wrong; the same for every tool."""
     signal.signal(signal.SIGTERM, interrupt)
     try:
         program = Program(args.parloc)
         args.out.mkdir(parents=True, exist_ok=True)
         if not os.access(args.out, os.W_OK):
             raise Failure(2, f"{args.out}: expected a folder that can be written")
-        with tempfile.TemporaryDirectory(prefix="parloc_accuracy_") as work:
-            return args.run(args, program, pathlib.Path(work))
+        with tempfile.TemporaryDirectory(prefix=f"parloc_{name}_") as work:
+            return run(args, program, pathlib.Path(work))
     except Failure as failure:
-        print(f"accuracy.py: {failure}", file=sys.stderr)
+        print(f"{name}.py: {failure}", file=sys.stderr)
         return failure.code
     except KeyboardInterrupt:
-        print("accuracy.py: interrupted", file=sys.stderr)
+        print(f"{name}.py: interrupted", file=sys.stderr)
         return 130
     except OSError as error:
-        print(f"accuracy.py: {error}", file=sys.stderr)
+        print(f"{name}.py: {error}", file=sys.stderr)
         return 2
+
+
+def main():
+    args = parse_arguments()
+    return run_tool("accuracy", args, args.run)
 
 
 if __name__ == "__main__":

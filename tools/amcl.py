@@ -14,10 +14,8 @@ import argparse
 import math
 import os
 import pathlib
-import signal
 import statistics
 import sys
-import tempfile
 
 import accuracy
 from accuracy import ROOT, Failure, wrap
@@ -278,21 +276,7 @@ def run(args, program, work):
 
 def main():
     args = parse_arguments()
-    signal.signal(signal.SIGTERM, accuracy.interrupt)
-    try:
-        program = accuracy.Program(args.parloc)
-        args.out.mkdir(parents=True, exist_ok=True)
-        with tempfile.TemporaryDirectory(prefix="parloc_amcl_") as work:
-            return run(args, program, pathlib.Path(work))
-    except Failure as failure:
-        print(f"amcl.py: {failure}", file=sys.stderr)
-        return failure.code
-    except KeyboardInterrupt:
-        print("amcl.py: interrupted", file=sys.stderr)
-        return 130
-    except OSError as error:
-        print(f"amcl.py: {error}", file=sys.stderr)
-        return 2
+    return accuracy.run_tool("amcl", args, run)
 
 
 if __name__ == "__main__":

@@ -13,10 +13,9 @@ import argparse
 import math
 import pathlib
 import sys
-import tempfile
 
 import accuracy
-from accuracy import Failure, Program, table
+from accuracy import Failure, table
 
 OFFICE = ("configs/office_scenario.yaml", "maps/office.yaml")
 CLUTTER = ("configs/office_clutter_scenario.yaml", "maps/office.yaml")
@@ -264,21 +263,7 @@ def parse_arguments():
 
 def main():
     args = parse_arguments()
-    accuracy.signal.signal(accuracy.signal.SIGTERM, accuracy.interrupt)
-    try:
-        program = Program(args.parloc)
-        args.out.mkdir(parents=True, exist_ok=True)
-        with tempfile.TemporaryDirectory(prefix="parloc_models_") as work:
-            return args.run(args, program, pathlib.Path(work))
-    except Failure as failure:
-        print(f"sensor_models.py: {failure}", file=sys.stderr)
-        return failure.code
-    except KeyboardInterrupt:
-        print("sensor_models.py: interrupted", file=sys.stderr)
-        return 130
-    except OSError as error:
-        print(f"sensor_models.py: {error}", file=sys.stderr)
-        return 2
+    return accuracy.run_tool("sensor_models", args, args.run)
 
 
 if __name__ == "__main__":

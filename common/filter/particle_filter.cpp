@@ -337,6 +337,9 @@ std::vector<Particle> ParticleFilter::particles(std::size_t most) const {
   return out;
 }
 
+const BeamTable& ParticleFilter::last_beams() const {
+  return state_->beams;
+}
 BeamTable ParticleFilter::beams(const Scan& scan) const {
   const State& s = *state_;
   const LidarSetup setup = lidar_setup(scan, s.config.scan, find_lidar(s.config.lidars, scan.sensor));

@@ -94,6 +94,7 @@ class ParticleFilter {
   std::vector<Particle> particles(std::size_t most = SIZE_MAX) const;
   /// The beams of a scan as a step would take them, by the odometry known so far.
   BeamTable beams(const Scan& scan) const;
+  const BeamTable& last_beams() const;               ///< Those that the last step weighed.
   const std::optional<Pose>& odometry() const;       ///< Of the last step.
   BeamCounts beam_counts() const;                    ///< Summed since the start, over all LiDARs.
   const std::vector<LidarUse>& lidars_used() const;  ///< By LiDAR, in the order in which they came.

@@ -170,7 +170,7 @@ void Localizer::State::look_for_others(const Pose& odometry, const Scan& scan, L
 /// Health of the estimate, and the other places while there are some.
 void Localizer::State::judge(const Scan& scan, LocalizerEstimate& out) {
   const PoseEstimate& heaviest = out.filter.cluster;
-  const double fits = evidence.per_beam(filter.beams(scan), relative(heaviest.mean, T_map_grid));
+  const double fits = evidence.per_beam(filter.last_beams(), relative(heaviest.mean, T_map_grid));
   last = monitor.update(scan.stamp_s, fits, heaviest.weight);
   lost = last.state == HealthState::lost;
   if (lost) settled = false;
