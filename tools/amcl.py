@@ -18,7 +18,7 @@ import statistics
 import sys
 
 import accuracy
-from accuracy import ROOT, Failure, wrap
+from accuracy import ROOT, wrap
 
 BAR = {"particles": 1000, "error_ratio": 1.2, "step_ms": 1.5}
 RATES = {"off": None, "0.001 / 0.1 / 1": (0.001, 0.1, 1), "0.001 / 0.1 / 2": (0.001, 0.1, 2),

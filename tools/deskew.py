@@ -17,7 +17,7 @@ import statistics
 import sys
 
 import accuracy
-from accuracy import ROOT, Failure
+from accuracy import ROOT
 
 SCAN_TIME_S = 0.1
 STAMPS = ("first", "middle", "last")

@@ -15,7 +15,7 @@ import pathlib
 import sys
 
 import accuracy
-from accuracy import Failure, table
+from accuracy import table
 
 OFFICE = ("configs/office_scenario.yaml", "maps/office.yaml")
 CLUTTER = ("configs/office_clutter_scenario.yaml", "maps/office.yaml")
