@@ -68,7 +68,7 @@ struct GlobalSearch::State {
         map(make_search_map(grid, c)),
         judge(grid, map),
         backend(choose_backend(map, c, why)) {
-    if (map.free_count == 0) throw Error(ErrorKind::input, name + ": the map has no free cell to search");
+    if (map.free_count == 0) throw Error(ErrorKind::input, name + ": the map has no free cell");
   }
 
   SearchTask task(const SearchPrior& prior) const;
