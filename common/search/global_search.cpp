@@ -7,7 +7,10 @@
 #include "common/filter/backend.h"
 #include "common/math/portable.h"
 #include "common/math/portable64.h"
+#include "common/model/beams.h"
+#include "common/search/hypotheses.h"
 #include "common/search/judge_pose.h"
+#include "common/search/search_backend.h"
 
 namespace parloc {
 namespace {

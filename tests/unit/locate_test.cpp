@@ -10,6 +10,8 @@
 #include "common/map/map_reader.h"
 #include "common/math/portable64.h"
 #include "common/search/global_search.h"
+#include "common/search/hypotheses.h"
+#include "common/search/search_map.h"
 
 namespace parloc {
 namespace {
