@@ -143,7 +143,7 @@ TEST_F(LocateProgram, ErrorsAreOneLineWithACode) {
 TEST_F(LocateProgram, HelpFitsAScreen) {
   const Outcome o = runner->call({"locate", "--help"});
   EXPECT_EQ(o.code, 0);
-  EXPECT_LE(std::count(o.out.begin(), o.out.end(), '\n'), 32);
+  EXPECT_LE(std::count(o.out.begin(), o.out.end(), '\n'), 24);
 }
 
 }  // namespace
