@@ -207,7 +207,7 @@ bool Localizer::State::fits_again(const Pose& odometry, const BeamTable& beams) 
 /// Before a scan is weighed: whether there are other places where the robot may be.
 void Localizer::State::settle(const Pose& odometry, const Scan& scan, LocalizerEstimate& out) {
   const bool search_now = search_is_due(odometry, scan.stamp_s);
-  if (!search_now && (settled || lost || !filter.odometry())) return;
+  if (!search_now && (settled || lost || !config.recover || !filter.odometry())) return;
   const BeamTable beams = filter.beams(scan);
   if (!search_now) return drop_refuted(odometry, beams);
   if (lost && fits_again(odometry, beams)) return;
