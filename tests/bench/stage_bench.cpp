@@ -226,17 +226,19 @@ void estimate(benchmark::State& state, const Case& c) {
       state, [] {}, [&] { rig.backend->estimate(); });
 }
 
+/// Puts back the weights of a scan in tracking, which ask for resampling.
+auto weighed_again(Rig& rig) {
+  return [&rig] {
+    rig.backend->upload(rig.weighed);
+    rig.backend->normalise_scan();
+  };
+}
+
 /// How many particles the next set gets; with the weights of a scan in tracking, which ask for a new one.
 void adapt(benchmark::State& state, const Case& c) {
   Rig rig(c);
   if (rig.last.resample == 0) return state.SkipWithError("the weights do not ask for resampling");
-  rig.measure(
-      state,
-      [&] {
-        rig.backend->upload(rig.weighed);
-        rig.backend->normalise_scan();
-      },
-      [&] { rig.backend->adapt(rig.next_key(), false); });
+  rig.measure(state, weighed_again(rig), [&] { rig.backend->adapt(rig.next_key(), false); });
   state.counters["chosen"] = rig.last.next_count;
 }
 
@@ -244,13 +246,7 @@ void adapt(benchmark::State& state, const Case& c) {
 void resample(benchmark::State& state, const Case& c) {
   Rig rig(c);
   if (rig.last.resample == 0) return state.SkipWithError("the weights do not ask for resampling");
-  rig.measure(
-      state,
-      [&] {
-        rig.backend->upload(rig.weighed);
-        rig.backend->normalise_scan();
-      },
-      [&] { rig.backend->resample(rig.next_key()); });
+  rig.measure(state, weighed_again(rig), [&] { rig.backend->resample(rig.next_key()); });
 }
 
 /// All that a backend does per scan, the upload of the scan and the download of the estimate included.
