@@ -110,10 +110,11 @@ def arguments_of(args, name):
 def evaluate(args, program, work, name, arguments):
     samples = ["--samples", args.samples / f"{name}.csv"] if args.samples else []
     program("evaluate", *arguments, "--jobs", args.jobs, "--quiet", "--out", work / name, *samples)
-    result = json.loads((work / name / "evaluate.json").read_text())
+    text = (work / name / "evaluate.json").read_text().replace(str(args.data), "$PARLOC_DATA")
+    result = json.loads(text.replace(f"{ROOT}/", ""))
     del result["trials"]
-    result["command"] = "parloc evaluate " + " ".join(
-        str(a).replace(str(args.data), "$PARLOC_DATA") for a in [*arguments, "--jobs", args.jobs])
+    result["command"] = "parloc evaluate " + " ".join(str(a) for a in [*arguments, "--jobs", args.jobs]).replace(
+        str(args.data), "$PARLOC_DATA")
     return result
 
 
