@@ -4,22 +4,6 @@
 #include "cpu/flow_stages.h"
 
 namespace parloc::cpu {
-namespace {
-
-Vector3 pose_of(const Particles& p, std::size_t i) {
-  Vector3 x;
-  x[0] = p.x[i], x[1] = p.y[i], x[2] = p.theta[i];
-  return x;
-}
-
-void put(const Vector3& pose, const Particles& p, std::size_t i) {
-  p.x[i] = static_cast<float>(pose[0]);
-  p.y[i] = static_cast<float>(pose[1]);
-  p.theta[i] = wrap(static_cast<float>(pose[2]));
-}
-
-}  // namespace
-
 void flow_particles(const Field& field, const FlowRules& rules, const PaddedScan& scan,
                     const MotionStep& motion, RandomKey key, const FlowState& state, const Particles& p,
                     Workers& workers) {
@@ -40,7 +24,7 @@ void flow_particles(const Field& field, const FlowRules& rules, const PaddedScan
         const auto sum = sum_beams(field, scan, pose, MeanTerms{}, notes);
         flow.take(finish_measurement(sum, static_cast<double>(scan.kept), field), rules, state.r_scale);
       }
-      put(flow.pose(), p, i);
+      put_pose(flow.pose(), p, i);
       if (weighted && has_scan) p.log_weight[i] += static_cast<float>(flow.log_weight());
     }
   };

@@ -48,11 +48,14 @@ class MeanUpdate {
  public:
   using Terms = MeanTerms;
 
+  /// Scans that it asks for.
+  PARLOC_HD static int most_sums(const FlowRules& rules) {
+    return moves_as_one(rules.method) ? first_flow_sum(rules) + rules.times.steps : 1;
+  }
   PARLOC_HD void begin(const FlowState& state, const FlowRules& rules) {
     asked_ = 0;
-    // A Kalman filter beside the particles has a mean of its own, which the flow does not start from.
-    flow_from_ = rules.prior == FlowPrior::ekf ? 1 : 0;
-    wanted_ = moves_as_one(rules.method) ? flow_from_ + rules.times.steps : 1;
+    flow_from_ = first_flow_sum(rules);
+    wanted_ = most_sums(rules);
     map_.clear();
     at_ = state.prior.mean;
   }
@@ -74,6 +77,10 @@ class MeanUpdate {
   }
 
  private:
+  /// A Kalman filter beside the particles has a mean of its own, which the flow does not start from.
+  PARLOC_HD static int first_flow_sum(const FlowRules& rules) {
+    return rules.prior == FlowPrior::ekf ? 1 : 0;
+  }
   PARLOC_HD static void update_gaussian(const FieldMeasurement& z, const FlowRules& rules, FlowState& state) {
     state.scan = z;
     state.skip = has_slope(z) ? FlowSkip::none : FlowSkip::no_slope;

@@ -39,8 +39,23 @@ PARLOC_HD Proposal propose(const Vector3& pose, const MotionNoise& u, const Flow
   return p;
 }
 
+PARLOC_HD Vector3 pose_of(const Particles& p, std::size_t i) {
+  Vector3 x;
+  x[0] = p.x[i], x[1] = p.y[i], x[2] = p.theta[i];
+  return x;
+}
+PARLOC_HD void put_pose(const Vector3& pose, const Particles& p, std::size_t i) {
+  p.x[i] = static_cast<float>(pose[0]);
+  p.y[i] = static_cast<float>(pose[1]);
+  p.theta[i] = wrap(static_cast<float>(pose[2]));
+}
+
 class ParticleFlow {
  public:
+  /// Scans that a particle asks for.
+  PARLOC_HD static int most_sums(const FlowRules& rules) {
+    return rules.times.steps + (rules.method == FlowMethod::pfpf ? 1 : 0);
+  }
   /// About `origin`, with the prior of all particles.
   PARLOC_HD void begin_local(const Vector3& origin, const Matrix3& covariance, const Vector3& pose,
                              const FlowRules& rules) {
