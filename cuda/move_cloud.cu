@@ -12,7 +12,8 @@ struct MoveCloud {
     if (state->skip != FlowSkip::none) return;
     const RandomKey key = input->key;
     for (std::size_t i = me.first(); i < p.count(); i += me.stride())
-      move_one(p.x[i], p.y[i], p.theta[i], *move, static_cast<std::uint32_t>(i), key.step, key.seed);
+      move_one(p.x[i], p.y[i], p.theta[i], *move, move->noisy, static_cast<std::uint32_t>(i), key.step,
+               key.seed);
   }
 };
 

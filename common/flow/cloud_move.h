@@ -10,31 +10,29 @@
 
 namespace parloc {
 
-/// e <- a e + b + sum over the steps of noise[j] xi_j, about a centre; float64 while it is put together.
+/// e <- a e + b + noise, about a centre; float64 while it is put together. A step's noise is the same vector
+/// for all particles times a number of their own, so the noise of all steps is one Gaussian.
 struct CloudMap {
   Matrix3 a;
   Vector3 b;
-  Vector3 noise[kMostFlowSteps];
-  int noisy_steps = 0;
+  Matrix3 noise;  ///< Covariance.
+  bool noisy = false;
 
   PARLOC_HD void clear() {
     a = identity3();
     b = Vector3{};
-    noisy_steps = 0;
+    noise = Matrix3{};
+    noisy = false;
   }
   PARLOC_HD void append(const FlowStep& f, const Vector3& k, const Vector3& h) {
-    for (int j = 0; j < 3; ++j) {
-      Vector3 column;
-      for (int i = 0; i < 3; ++i) column[i] = a(i, j);
-      const double along = f.pull * dot(h, column);
-      for (int i = 0; i < 3; ++i) a(i, j) -= k[i] * along;
-    }
+    Matrix3 step = identity3();
+    for (int i = 0; i < 3; ++i)
+      for (int j = 0; j < 3; ++j) step(i, j) -= f.pull * k[i] * h[j];
+    a = multiply(step, a);
     b = flowed(b, f, k, h);
     if (f.noise == 0.0) return;
-    for (int j = 0; j < noisy_steps; ++j) noise[j] = plus(noise[j], -f.pull * dot(h, noise[j]), k);
-    noise[noisy_steps] = Vector3{};
-    noise[noisy_steps] = plus(noise[noisy_steps], f.noise, k);
-    ++noisy_steps;
+    noisy = true;
+    noise = plus_outer(sandwich(step, noise), f.noise * f.noise, k);
   }
 };
 
@@ -43,11 +41,11 @@ struct CloudMove {
   float centre[3] = {};
   float a[9] = {};
   float b[3] = {};
-  float noise[kMostFlowSteps][3] = {};
-  std::int32_t noisy_steps = 0;
+  float noise[9] = {};  ///< Lower triangle: times standard normals.
+  bool noisy = false;
 };
 
-/// About the float32 number nearest to `centre`; what lies between them goes into b.
+/// About the float32 numbers nearest to `centre`; what lies between them goes into b.
 PARLOC_HD void finish_cloud_move(const CloudMap& map, const Vector3& centre, CloudMove& move) {
   Vector3 off;
   for (int i = 0; i < 3; ++i) {
@@ -55,25 +53,27 @@ PARLOC_HD void finish_cloud_move(const CloudMap& map, const Vector3& centre, Clo
     off[i] = static_cast<double>(move.centre[i]) - centre[i];
   }
   const Vector3 b = plus(plus(map.b, 1.0, multiply(map.a, off)), -1.0, off);
-  for (int i = 0; i < 9; ++i) move.a[i] = static_cast<float>(map.a.m[i]);
+  const Matrix3 root = semidefinite_root(map.noise);
+  for (int i = 0; i < 9; ++i) {
+    move.a[i] = static_cast<float>(map.a.m[i]);
+    move.noise[i] = static_cast<float>(root.m[i]);
+  }
   for (int i = 0; i < 3; ++i) move.b[i] = static_cast<float>(b[i]);
-  for (int j = 0; j < map.noisy_steps; ++j)
-    for (int i = 0; i < 3; ++i) move.noise[j][i] = static_cast<float>(map.noise[j][i]);
-  move.noisy_steps = map.noisy_steps;
+  move.noisy = map.noisy;
 }
 
-/// Moves one particle. Noise: stream stochastic_flow, four steps' numbers per block.
-PARLOC_HD void move_one(float& x, float& y, float& theta, const CloudMove& m, std::uint32_t slot,
+/// Moves one particle. `noisy`: as move says, from outside so that a loop need not ask.
+PARLOC_HD void move_one(float& x, float& y, float& theta, const CloudMove& m, bool noisy, std::uint32_t slot,
                         std::uint32_t step, std::uint64_t seed) {
   const float e0 = x - m.centre[0], e1 = y - m.centre[1], e2 = wrap(theta - m.centre[2]);
   float d[3];
   for (int i = 0; i < 3; ++i)
     d[i] = fused(m.a[3 * i], e0, fused(m.a[3 * i + 1], e1, fused(m.a[3 * i + 2], e2, m.b[i])));
-  for (std::int32_t j = 0; j < m.noisy_steps; j += 4) {
-    const Normals n =
-        normals(philox(slot, step, Stream::stochastic_flow, static_cast<std::uint32_t>(j) / 4, seed));
-    for (std::int32_t l = 0; l < 4 && j + l < m.noisy_steps; ++l)
-      for (int i = 0; i < 3; ++i) d[i] = fused(m.noise[j + l][i], n.n[l], d[i]);
+  if (noisy) {
+    const Normals n = normals(philox(slot, step, Stream::stochastic_flow, 0, seed));
+    d[0] = fused(m.noise[0], n.n[0], d[0]);
+    d[1] = fused(m.noise[3], n.n[0], fused(m.noise[4], n.n[1], d[1]));
+    d[2] = fused(m.noise[6], n.n[0], fused(m.noise[7], n.n[1], fused(m.noise[8], n.n[2], d[2])));
   }
   x = m.centre[0] + d[0];
   y = m.centre[1] + d[1];

@@ -105,6 +105,23 @@ PARLOC_HD Cholesky3 cholesky(const Matrix3& a) {
   return c;
 }
 
+/// l of a = l l^T for a that may be singular: what has no variance of its own gets none.
+PARLOC_HD Matrix3 semidefinite_root(const Matrix3& a) {
+  Matrix3 l;
+  for (int j = 0; j < 3; ++j) {
+    double pivot = a(j, j);
+    for (int k = 0; k < j; ++k) pivot -= l(j, k) * l(j, k);
+    if (!(pivot > 1e-12 * a(j, j))) continue;  // rounding
+    l(j, j) = __builtin_sqrt(pivot);
+    for (int i = j + 1; i < 3; ++i) {
+      double sum = a(i, j);
+      for (int k = 0; k < j; ++k) sum -= l(i, k) * l(j, k);
+      l(i, j) = sum / l(j, j);
+    }
+  }
+  return l;
+}
+
 /// y of l y = b.
 PARLOC_HD Vector3 solve_lower(const Matrix3& l, const Vector3& b) {
   Vector3 y;
