@@ -128,7 +128,9 @@ void BeamDirections::expect(const Scan& scan, const LidarSetup& setup) {
   const bool same = known.x_m == now.x_m && known.y_m == now.y_m && known.theta_rad == now.theta_rad &&
                     upside_down_ == setup.upside_down && angle_min_rad_ == scan.angle_min_rad &&
                     angle_step_rad_ == scan.angle_step_rad && direction_.size() == scan.ranges_m.size();
-  if (same && scan.bearings_rad.empty()) return;
+  const bool were_even = even_;
+  even_ = scan.bearings_rad.empty();
+  if (same && even_ && were_even) return;
   T_base_sensor_ = now;
   upside_down_ = setup.upside_down;
   angle_min_rad_ = scan.angle_min_rad, angle_step_rad_ = scan.angle_step_rad;

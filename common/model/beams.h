@@ -41,6 +41,7 @@ class BeamDirections {
  private:
   Pose T_base_sensor_;
   bool upside_down_ = false;
+  bool even_ = true;  ///< Bearings of their own are not compared: they are remembered for one scan only.
   double angle_min_rad_ = 0.0, angle_step_rad_ = 0.0;
   std::vector<SinCos64> direction_;  ///< By beam; (2, 2): not asked for yet.
 };
