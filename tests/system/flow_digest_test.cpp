@@ -93,10 +93,10 @@ INSTANTIATE_TEST_SUITE_P(
     All, FlowDigest,
     testing::Values(Golden{"ekf", "d83b1f32e3f0b6f4b8c7d32b9bcd60e8a429c9bbdf4914ebddc7ba3024022b6c"},
                     Golden{"ekf_beams", "999b10c7587e282c1a18fbfc7ad694bb24b335d9175c9f22a5928aea816917a5"},
-                    Golden{"edh", "b16fe01ba4f9765e940de659921b70f5e30c223e7bdb85114a34209059f66f55"},
-                    Golden{"naedh", "058bd25d44fb5645c787b926a1fee7222aa3ff5134863920681746242651c8a4"},
-                    Golden{"ledh", "77583af5ab272a905cdab816dd9a07d8693c25af9801531de54ae6291452f657"},
-                    Golden{"gromov", "1db774d72f09a3a639f8f6650b9cb97b6faa3b36a23b0706a734932c5c8136b0"},
+                    Golden{"edh", "d6fca340ea39451f52e400312e88fd2564a59e9b113f66fa09d1fee86cc14803"},
+                    Golden{"naedh", "ca203a3725c458262f07a34a1656b523f45c688911bbb87db791b177bd3cae78"},
+                    Golden{"ledh", "8335f71c049710ade0e50cdca61506cdd1a03d6bdd655430e0ad8f41dbbaa890"},
+                    Golden{"gromov", "853fbcfeb3c67693d778443020b0164768e95438f17e3a6cf6e694756bf93c88"},
                     Golden{"pfpf", "e0d97b00a39b04d9821daae083fa6b74786146ce9666ce07e59365d146557c9d"}),
     [](const auto& one) { return std::string(one.param.name); });
 
