@@ -45,20 +45,17 @@ struct CloudMove {
   bool noisy = false;
 };
 
-/// About the float32 numbers nearest to `centre`; what lies between them goes into b.
+/// `centre`: float32 numbers, so that particles are seen from the very point that the map is about.
 PARLOC_HD void finish_cloud_move(const CloudMap& map, const Vector3& centre, CloudMove& move) {
-  Vector3 off;
-  for (int i = 0; i < 3; ++i) {
-    move.centre[i] = static_cast<float>(centre[i]);
-    off[i] = static_cast<double>(move.centre[i]) - centre[i];
-  }
-  const Vector3 b = plus(plus(map.b, 1.0, multiply(map.a, off)), -1.0, off);
   const Matrix3 root = semidefinite_root(map.noise);
   for (int i = 0; i < 9; ++i) {
     move.a[i] = static_cast<float>(map.a.m[i]);
     move.noise[i] = static_cast<float>(root.m[i]);
   }
-  for (int i = 0; i < 3; ++i) move.b[i] = static_cast<float>(b[i]);
+  for (int i = 0; i < 3; ++i) {
+    move.centre[i] = static_cast<float>(centre[i]);
+    move.b[i] = static_cast<float>(map.b[i]);
+  }
   move.noisy = map.noisy;
 }
 

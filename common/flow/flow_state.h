@@ -50,7 +50,7 @@ struct FlowRules {
 struct FlowState {
   PoseGaussian posterior;  ///< Of the last step; the prior of this one follows from it.
   PoseGaussian prior;      ///< Before the scan.
-  Vector3 centre;          ///< Where the flow starts from: the particles' mean before the scan.
+  Vector3 centre;          ///< Where the flow starts from: the particles' mean before the scan, in float32.
   Moments cloud;           ///< Of the particles after the step (filters without any: unused).
   FieldMeasurement scan;   ///< At the prior.
   double nis = 0.0;        ///< Of that.

@@ -23,12 +23,24 @@ PARLOC_HD Matrix3 covariance_of(const Moments& m) {
   return p;
 }
 
+/// The nearest number of 24 bits, a float32 (Veltkamp's splitting). Not by converting to and fro: GCC 12
+/// takes that for nothing where it puts several side by side in a vector.
+PARLOC_HD double in_float32(double x) {
+  const double scaled = x * 536870913.0;  // 2^29 + 1
+  return scaled + (x - scaled);
+}
+PARLOC_HD Vector3 in_float32(const Vector3& x) {
+  Vector3 y;
+  for (int i = 0; i < 3; ++i) y[i] = in_float32(x[i]);
+  return y;
+}
+
 /// Moves the Gaussian by odometry; state.cloud: of the predicted particles, if there are any.
 PARLOC_HD void predict_state(FlowState& state, const FlowRules& rules, const MotionNoise& motion) {
   state.prior = predicted(state.posterior, motion);
   state.centre = state.prior.mean;
   if (!is_kalman(rules.method) && rules.method != FlowMethod::pfpf) {
-    state.centre = mean_of(state.cloud);
+    state.centre = in_float32(mean_of(state.cloud));
     if (rules.prior != FlowPrior::ekf) state.prior.mean = state.centre;
     if (rules.prior == FlowPrior::sample) {
       state.prior.covariance = covariance_of(state.cloud);

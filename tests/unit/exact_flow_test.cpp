@@ -359,6 +359,14 @@ TEST(ParticleFlow, AProposalHasTheDensityThatItIsWeighedBy) {
   expect_near(covariance, expected, 5 * std::sqrt(2.0 / count) * 0.05 * 0.05);
 }
 
+TEST(MeanUpdate, TheFlowStartsFromAFloat) {
+  for (double x : {51.123456789, -6.7777777777, 1e-7, 0.0, 3.14159265358979, -2047.00000123}) {
+    volatile float nearest = static_cast<float>(x);
+    EXPECT_EQ(in_float32(x), static_cast<double>(nearest));
+    EXPECT_EQ(in_float32(vector3(x, 2 * x, 4 * x))[2], 4 * static_cast<double>(nearest));
+  }
+}
+
 TEST(PoseAlgebra, ACovarianceIsNeverSingular) {
   for (const Matrix3& bad :
        {Matrix3{}, matrix3({1, 1, 0, 1, 1, 0, 0, 0, 0}), matrix3({1, 0, 0, 0, -1e-9, 0, 0, 0, 1}),
