@@ -33,6 +33,7 @@ OUT = ROOT / "docs" / "results"
 DATA = pathlib.Path(os.environ.get("PARLOC_DATA", ROOT.parent / "shared" / "data"))
 
 PARTICLES, BEAMS = (500, 1000, 2000, 3000, 4000), (50, 100, 200)
+FILTER_ALONE = "localize: {health: false}\n"  # of a configuration: no search helps the filter
 PAPER_MAP, PAPER_SCENARIO, PAPER_CONFIG = "maps/hall_obstacles.yaml", "configs/paz2012_scenario.yaml", "configs/paz2012.yaml"
 SETTLING_S = 1.0  # the maximum counts from here on
 PAPER_BARS = {"mean_m": 0.015, "max_settled_m": 0.06, "heading_rmse_deg": 0.6}

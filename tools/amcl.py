@@ -51,7 +51,7 @@ def recovery(rates):
 
 def localized(program, work, name, settings, seed, log, truth):
     path = work / f"{name}.yaml"
-    path.write_text(config_text(settings))
+    path.write_text(config_text(settings) + accuracy.FILTER_ALONE)
     return accuracy.localize(program, work, name, ["--map", "maps/office.yaml", "--config", path, "--seed", seed, "--log", log,
                                                    "--truth", truth])
 

@@ -41,7 +41,7 @@ def scenario_text(path, scan_time_s, stamp_at):
 def config_text(path, scan_time_s, stamp_at):
     text = (ROOT / path).read_text() if path else ""
     text = re.sub(r"^lidars:\n(?:[ #].*\n|\n)*", "", text, flags=re.MULTILINE)
-    return f"{text}\nlidars:\n  robotlaser1: {{scan_time: {scan_time_s}, stamp_at: {stamp_at}}}\n"
+    return f"{text}\nlidars:\n  robotlaser1: {{scan_time: {scan_time_s}, stamp_at: {stamp_at}}}\n{accuracy.FILTER_ALONE}"
 
 
 def errors_of(program, work, name, scene, seed, log, told_s, stamp_at):

@@ -55,7 +55,7 @@ class Bench:
         log = self.work / f"{scene}_{seed}"
         name = f"{scene}_{seed}_{label}".replace(" ", "_").replace(",", "")
         config = self.work / f"{name}.yaml"
-        config.write_text(sensor_yaml(settings))
+        config.write_text(sensor_yaml(settings) + accuracy.FILTER_ALONE)
         metrics, _, _ = accuracy.localize(self.program, self.work, name, [
             "--map", SCENES[scene][1], "--log", log / "scans.log", "--truth", log / "truth.tum", "--config", config,
             "--seed", seed])

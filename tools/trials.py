@@ -20,7 +20,7 @@ from accuracy import DATA, ROOT
 OFFICE, WORKS = "configs/office_scenario.yaml", "configs/works_scenario.yaml"
 SCENES = {  # row: arguments, trials; real logs: folder, map
     "office360": (["--scenario", OFFICE, "--range", 8], 1000),
-    "works": (["--scenario", WORKS, "--range", 8], 1000),
+    "works": (["--scenario", WORKS, "--range", 8], 300),
     "fov180": (["--scenario", OFFICE, "--range", 8, "--fov", 180], 200),
     "fov100": (["--scenario", OFFICE, "--range", 8, "--fov", 100], 200),
     "people": (["--scenario", "configs/office_people_scenario.yaml", "--range", 8], 200),

@@ -61,6 +61,7 @@ struct Localizer::State {
   void look_everywhere(const Pose& odometry, const BeamTable& beams, LocalizerEstimate& out);
   void look_for_others(const Pose& odometry, const BeamTable& beams, LocalizerEstimate& out);
   void drop_refuted(const Pose& odometry, const BeamTable& beams);
+  bool fits_again(const Pose& odometry, const BeamTable& beams);
   void settle(const Pose& odometry, const Scan& scan, LocalizerEstimate& out);
   void watch(const Pose& odometry, double stamp_s, LocalizerEstimate& out);
 
@@ -196,12 +197,20 @@ void Localizer::State::drop_refuted(const Pose& odometry, const BeamTable& beams
   if (left.size() < modes.size()) filter.relocate(left, odometry);
 }
 
+/// Whether the scan speaks for the place where it was before it was lost.
+bool Localizer::State::fits_again(const Pose& odometry, const BeamTable& beams) {
+  if (!was_settled || !filter.odometry()) return false;
+  const std::vector<Mode> modes = modes_at(odometry);
+  return !modes.empty() && judge.evidence(beams, modes[0].pose) >= kFits;
+}
+
 /// Before a scan is weighed: whether there are other places where the robot may be.
 void Localizer::State::settle(const Pose& odometry, const Scan& scan, LocalizerEstimate& out) {
   const bool search_now = search_is_due(odometry, scan.stamp_s);
-  if (!search_now && (settled || lost || !filter.odometry())) return;
+  if (!search_now && (settled || lost || !config.recover || !filter.odometry())) return;
   const BeamTable beams = filter.beams(scan);
   if (!search_now) return drop_refuted(odometry, beams);
+  if (lost && fits_again(odometry, beams)) return;
   searched_s = scan.stamp_s;
   searched_odometry = odometry;
   lost ? look_everywhere(odometry, beams, out) : look_for_others(odometry, beams, out);

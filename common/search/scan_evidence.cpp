@@ -47,7 +47,9 @@ std::size_t bin_of(float range_m, float range_max_m) {
 
 }  // namespace
 
-ScanEvidence::ScanEvidence(const GridMap& map) : rays_(map) {
+// Rays go on through unknown cells, whatever the filter's do: maps made on a drive have some along the drive
+// itself, and to a robot that stands on one all else would be out of sight.
+ScanEvidence::ScanEvidence(const GridMap& map) : rays_(map, false) {
   ParticleSet anywhere = uniform_start(map, kPlaces, kPlacesSeed);
   anywhere_x_m_ = std::move(anywhere.x);
   anywhere_y_m_ = std::move(anywhere.y);

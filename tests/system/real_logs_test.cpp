@@ -40,7 +40,6 @@ TEST_P(RealLogs, AreLocalizedWithinTheirBars) {
 
   tools::LocalizeRequest request;
   request.config.seed = 1;
-  request.config.localize.recover = false;  // what is measured here is the filter
   request.truth = read_tum(file("reference.tum"));
   request.log_name = file("scans.log");
   const auto log = open_carmen_log(request.log_name);

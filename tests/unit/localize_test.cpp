@@ -36,6 +36,21 @@ TEST(ScanEvidence, IsHighWhereTheRobotIsAndLowElsewhere) {
   }
 }
 
+// Maps made on a drive have unknown cells where the robot itself stood.
+TEST(ScanEvidence, UnknownCellsHideNothing) {
+  const GridMap map = test::two_rooms();
+  const FirstScan first(map);
+  GridMap with_unknown = map;
+  const int i = static_cast<int>(first.truth.x_m / map.resolution_m);
+  const int j = static_cast<int>(first.truth.y_m / map.resolution_m);
+  for (int y = j - 2; y <= j + 2; ++y)
+    for (int x = i - 2; x <= i + 2; ++x)
+      with_unknown.cells[static_cast<std::size_t>(y) * static_cast<std::size_t>(map.width) +
+                         static_cast<std::size_t>(x)] = Cell::unknown;
+  ScanEvidence evidence(with_unknown);
+  EXPECT_GT(evidence.per_beam(first.beams, first.truth), 1.0);
+}
+
 TEST(ScanEvidence, IsTheSameEveryTime) {
   const GridMap map = test::two_rooms();
   const FirstScan first(map);
