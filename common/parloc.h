@@ -5,6 +5,8 @@
 #include "common/eval/metrics.h"
 #include "common/filter/config.h"
 #include "common/filter/particle_filter.h"
+#include "common/filter/pose_filter.h"
+#include "common/flow/flow_filter.h"
 #include "common/io/config.h"
 #include "common/io/log.h"
 #include "common/io/trajectory.h"

@@ -1,8 +1,8 @@
 // How every kernel is started. A kernel is a plain functor, called once per thread: kernel(thread). One whose
-// threads work together says `kPhases` and `Shared`, and is called as kernel(thread, phase, shared) once per
-// thread and phase, with a block barrier between the phases. Compiled by nvcc it runs on the device; compiled
-// as C++ the same body runs on the host over (block, phase, thread), so that tests can hold it against the
-// OpenMP twin without a GPU.
+// threads work together says `kPhases` (or `phases()`, where their number is a setting) and `Shared`, and is
+// called as kernel(thread, phase, shared) once per thread and phase, with a block barrier between the phases.
+// Compiled by nvcc it runs on the device; compiled as C++ the same body runs on the host over (block, phase,
+// thread), so that tests can hold it against the OpenMP twin without a GPU.
 #pragma once
 
 #include <algorithm>
@@ -27,8 +27,15 @@ struct Thread {
 /// A kernel in phases, with memory shared by the threads of a block.
 template <class Kernel>
 concept Phased = requires {
-  Kernel::kPhases;
+  typename Kernel::Shared;
 };
+template <class Kernel>
+PARLOC_HD int phases_of(const Kernel& kernel) {
+  if constexpr (requires { Kernel::kPhases; })
+    return Kernel::kPhases;
+  else
+    return kernel.phases();
+}
 
 inline unsigned blocks_for(std::size_t threads) {
   return static_cast<unsigned>(std::clamp<std::size_t>((threads + kThreads - 1) / kThreads, 1, kMaxBlocks));
@@ -40,7 +47,8 @@ __global__ void __launch_bounds__(kThreads) run_kernel(const Kernel kernel) {
   const Thread me{blockIdx.x, threadIdx.x, gridDim.x};
   if constexpr (Phased<Kernel>) {
     __shared__ typename Kernel::Shared shared;
-    for (int phase = 0; phase < Kernel::kPhases; ++phase) {
+    const int phases = phases_of(kernel);
+    for (int phase = 0; phase < phases; ++phase) {
       if (phase > 0) __syncthreads();
       kernel(me, phase, shared);
     }
@@ -59,7 +67,7 @@ template <class Kernel>
 void run_block(const Kernel& kernel, unsigned block, unsigned blocks) {
   if constexpr (Phased<Kernel>) {
     typename Kernel::Shared shared;
-    for (int phase = 0; phase < Kernel::kPhases; ++phase)
+    for (int phase = 0; phase < phases_of(kernel); ++phase)
       for (unsigned thread = 0; thread < kThreads; ++thread)
         kernel(Thread{block, thread, blocks}, phase, shared);
   } else {

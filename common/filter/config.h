@@ -1,5 +1,6 @@
-// Every setting of the particle filter, with its default. The only place where a default is written, but for
-// those of the search (common/search/search_config.h).
+// Every setting of the filters, with its default. The only place where a default is written, but for those of
+// the search (common/search/search_config.h) and of the filters on the distance field
+// (common/flow/flow_config.h).
 // common/io/config.h reads and prints these as YAML; common/filter/config_fields.h lists their names and
 // limits.
 #pragma once
@@ -10,6 +11,7 @@
 #include <vector>
 
 #include "common/filter/backend_choice.h"
+#include "common/flow/flow_config.h"
 #include "common/search/search_config.h"
 
 namespace parloc {
@@ -161,6 +163,7 @@ struct FilterConfig {
   RecoveryConfig recovery;
   EstimateConfig estimate;
   LocalizeConfig localize;
+  FlowConfig flow;
   SearchConfig search;              ///< Its backend, threads and device are those above.
   std::vector<LidarConfig> lidars;  ///< May be empty; in no order.
 

@@ -47,7 +47,7 @@ inline constexpr FieldGroup kLidars{
     "lidars",
     "What the log does not say of a LiDAR, or says wrongly: an entry for each, by its name in the log."};
 
-inline constexpr std::array<FieldGroup, 9> kFieldGroups{{
+inline constexpr std::array<FieldGroup, 10> kFieldGroups{{
     {"motion", "How the robot moves: odometry motion model."},
     {"scan", "Which beams of a scan are used, and what their values mean."},
     {"sensor", "How well a scan fits the map at a pose. Each model uses the keys it knows."},
@@ -56,6 +56,8 @@ inline constexpr std::array<FieldGroup, 9> kFieldGroups{{
     {"recovery", "What helps a filter that has lost its robot. Off by default."},
     {"estimate", "Which pose is reported."},
     {"localize", "What watches the filter, and what is done when it is lost (docs/localize.md)."},
+    {"flow",
+     "Kalman filters and particle flows on the distance field (docs/flow.md); the others do not read it."},
     {"search", "The search of the whole map (docs/locate.md)."},
 }};
 
@@ -86,6 +88,21 @@ inline constexpr std::array<Choice<ResampleScheme>, 5> kResampleSchemes{
      {"multinomial_linear", ResampleScheme::multinomial_linear}}};
 inline constexpr std::array<Choice<EstimateMode>, 2> kEstimateModes{
     {{"mean", EstimateMode::mean}, {"cluster", EstimateMode::cluster}}};
+
+inline constexpr std::array<Choice<FlowIntegrator>, 3> kFlowIntegrators{
+    {{"auto", FlowIntegrator::automatic},
+     {"closed_form", FlowIntegrator::closed_form},
+     {"euler", FlowIntegrator::euler}}};
+inline constexpr std::array<Choice<FlowSchedule>, 3> kFlowSchedules{
+    {{"uniform", FlowSchedule::uniform},
+     {"exponential", FlowSchedule::exponential},
+     {"contract", FlowSchedule::contract}}};
+inline constexpr std::array<Choice<FlowPrior>, 3> kFlowPriors{
+    {{"recentred", FlowPrior::recentred}, {"ekf", FlowPrior::ekf}, {"sample", FlowPrior::sample}}};
+inline constexpr std::array<Choice<FieldInterpolation>, 2> kFieldInterpolations{
+    {{"bilinear", FieldInterpolation::bilinear}, {"cubic", FieldInterpolation::cubic}}};
+inline constexpr std::array<Choice<FlowGate>, 3> kFlowGates{
+    {{"off", FlowGate::off}, {"inflate", FlowGate::inflate}, {"reject", FlowGate::reject}}};
 
 /// Calls `visit` once per setting, in the order of the printed configuration (top level first, then by
 /// group), with (Field, number&, Limits<number>) for int, int64, uint64 and double; (Field, bool&); (Field,
@@ -222,6 +239,38 @@ void visit_fields(Config& c, Visitor&& visit) {
   visit(Field{"localize", "health", "Say how sure the pose is; false: the bare filter, without any search"},
         c.localize.health);
   visit(Field{"localize", "recover", "Search the map when lost; false: only say so"}, c.localize.recover);
+
+  auto& f = c.flow;
+  visit(Field{"flow", "max_beams", "Beams used of a scan, in place of scan.max_beams"}, f.max_beams,
+        Int{1, 4096});
+  visit(Field{"flow", "steps", "Pseudo-time steps; the field is linearised anew before each"}, f.steps,
+        Int{1, kMostFlowSteps});
+  visit(Field{"flow", "integrator", "Of a step; auto: euler for edh, else closed_form (naedh: always)"},
+        f.integrator, kFlowIntegrators);
+  visit(Field{"flow", "schedule", "Equal steps, steps that grow by ratio, or of equal contraction"},
+        f.schedule, kFlowSchedules);
+  visit(Field{"flow", "ratio", "Of an exponential step to the one before"}, f.ratio, Real{0.1, 10});
+  visit(Field{"flow", "prior", "Covariance: recursion about the particles' mean, an EKF's, or theirs"},
+        f.prior, kFlowPriors);
+  visit(Field{"flow", "interpolation", "Of the distance field between cells"}, f.interpolation,
+        kFieldInterpolations);
+  visit(Field{"flow", "max_dist", "From here on a beam's end pulls nowhere [m]"}, f.max_dist,
+        Real{0, 100, true});
+  visit(Field{"flow", "sigma_range", "Standard deviation of a range [m]"}, f.sigma_range, Real{0, 10});
+  visit(Field{"flow", "sigma_psi_cells", "Noise floor of a scan's mean distance [cells]; 0: as published"},
+        f.sigma_psi_cells, Real{0, 100});
+  visit(Field{"flow", "gate", "What becomes of a scan beyond gate_nis: nothing, more noise, or not used"},
+        f.gate, kFlowGates);
+  visit(Field{"flow", "gate_nis", "Innovation squared over its variance"}, f.gate_nis, Real{0, 1e6, true});
+  visit(Field{"flow", "z_score", "Leave out beams whose distance is farther out than this; 0: none"},
+        f.z_score, Real{0, 1000});
+  visit(Field{"flow", "map_sigma_cells", "ekf_beams: standard deviation of a wall's place [cells]"},
+        f.map_sigma_cells, Real{0.01, 100});
+  visit(Field{"flow", "beta", "ekf_beams: exponent of a beam's likelihood"}, f.beta, Real{0, 1, true});
+  visit(Field{"flow", "iterations", "ekf_beams: at most"}, f.iterations, Int{1, 100});
+  visit(Field{"flow", "pfpf_sigma_xy", "pfpf: motion noise besides, whatever the motion [m]"},
+        f.pfpf_sigma_xy, Real{0.0001, 10});
+  visit(Field{"flow", "pfpf_sigma_theta", "... of the heading [rad]"}, f.pfpf_sigma_theta, Real{0.0001, 10});
 
   visit(Field{"search", "cell_m", "Finer cells of the map are put together to such [m]"}, c.search.cell_m,
         Real{0, 10, true});

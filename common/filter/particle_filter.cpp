@@ -7,6 +7,8 @@
 
 #include "common/error.h"
 #include "common/filter/backend.h"
+#include "common/filter/map_frame.h"
+#include "common/filter/scan_intake.h"
 #include "common/filter/start.h"
 #include "common/io/config.h"
 #include "common/math/portable64.h"
@@ -23,22 +25,6 @@ bool has_free_cell(const GridMap& map) {
   for (const Cell c : map.cells)
     if (c == Cell::free) return true;
   return false;
-}
-
-/// Moments of the grid frame as an estimate in the map frame: mean moved, covariance rotated.
-PoseEstimate in_map_frame(const Moments& m, const Pose& T_map_grid) {
-  PoseEstimate e;
-  e.mean = compose(T_map_grid, {m.x, m.y, m.theta});
-  e.weight = m.weight;
-  e.heading_resultant = m.resultant;
-  const SinCos64 r = portable_sincos64(T_map_grid.theta_rad);
-  const double xx = r.cos * r.cos * m.xx - 2 * r.cos * r.sin * m.xy + r.sin * r.sin * m.yy;
-  const double yy = r.sin * r.sin * m.xx + 2 * r.cos * r.sin * m.xy + r.cos * r.cos * m.yy;
-  const double xy = r.cos * r.sin * (m.xx - m.yy) + (r.cos * r.cos - r.sin * r.sin) * m.xy;
-  const double xt = r.cos * m.xt - r.sin * m.yt;
-  const double yt = r.sin * m.xt + r.cos * m.yt;
-  e.covariance = {{xx, xy, xt, xy, yy, yt, xt, yt, m.tt}};
-  return e;
 }
 
 constexpr double kHeadingUndefined = 1e-3;  // resultant below which a circular mean means nothing (SPEC 4)
@@ -68,18 +54,6 @@ struct LidarState {
   std::optional<Pose> odometry;  ///< At its last processed scan.
 };
 
-void add(BeamCounts& sum, const BeamCounts& c) {
-  sum.total += c.total;
-  sum.considered += c.considered;
-  sum.used += c.used;
-  sum.misses += c.misses;
-  sum.nan += c.nan;
-  sum.infinite += c.infinite;
-  sum.negative += c.negative;
-  sum.zero += c.zero;
-  sum.below_min += c.below_min;
-}
-
 }  // namespace
 
 struct ParticleFilter::State {
@@ -90,8 +64,8 @@ struct ParticleFilter::State {
   std::unique_ptr<Backend> backend;
   BeamTable beams;
   OdometryTrack track;
-  std::vector<LidarUse> used;      // one per LiDAR seen ...
-  std::vector<LidarState> lidars;  // ... and its state
+  ScanIntake intake;
+  std::vector<LidarState> lidars;  // one per LiDAR seen
   double range_max_m = 0.0;        // that the backend's tables are made for
   std::optional<Pose> odometry;    // at the last processed step
   Estimate last;
@@ -116,7 +90,7 @@ void ParticleFilter::State::begin(ParticleSet set) {
   backend->upload(std::move(set));
   odometry.reset();
   track.clear();
-  used.clear();
+  intake.clear();
   lidars.clear();
   last = {};
   jumps = invalid = steps = 0;
@@ -126,11 +100,9 @@ void ParticleFilter::State::begin(ParticleSet set) {
 }
 
 std::size_t ParticleFilter::State::lidar_of(const Scan& scan) {
-  for (std::size_t k = 0; k < used.size(); ++k)
-    if (used[k].name == scan.sensor) return k;
-  used.emplace_back().name = scan.sensor;
-  lidars.emplace_back();
-  return used.size() - 1;
+  const std::size_t lidar = intake.lidar_of(scan);
+  lidars.resize(intake.used().size());
+  return lidar;
 }
 
 /// Too little motion since the last processed scan of the same LiDAR to weigh another one (SPEC 6.4).
@@ -170,25 +142,10 @@ bool ParticleFilter::State::may_widen_next() const {
 
 /// Fills `beams`; whether there are enough of them to weigh.
 bool ParticleFilter::State::take_in(const Scan& scan, std::size_t lidar) {
-  LidarUse& use = used[lidar];
-  const LidarSetup setup = lidar_setup(scan, config.scan, find_lidar(config.lidars, scan.sensor));
-  const bool moving = takes_time(scan, setup);
-  const bool deskew = moving && track.knows_motion();
-  select_beams(scan, setup, deskew ? &track : nullptr, config.sensor, map.resolution_m, beams, use.beams);
-  const bool weighted = beams.count >= static_cast<std::size_t>(config.scan.min_beams);
-
-  const std::size_t size = scan.ranges_m.size();
-  use.max_beams = setup.max_beams;
-  use.smallest = use.scans == 0 ? size : std::min(use.smallest, size);
-  use.largest = std::max(use.largest, size);
-  ++use.scans;
-  use.moving += moving ? 1 : 0;
-  use.unknown_motion += moving && !deskew ? 1 : 0;
-  use.too_few += weighted ? 0 : 1;
-  if (!weighted) return false;
+  if (!intake.take(scan, lidar, config.scan, config.lidars, config.sensor, track, map.resolution_m, beams))
+    return false;
 
   // One table for all LiDARs, of the farthest-reaching: remaking it takes longer than a step.
-  use.beams.used += beams.count;
   lidars[lidar].range_max_m = beams.range_max_m;
   double farthest_m = 0.0;
   for (const LidarState& l : lidars) farthest_m = std::max(farthest_m, l.range_max_m);
@@ -225,17 +182,7 @@ ParticleFilter& ParticleFilter::operator=(ParticleFilter&&) noexcept = default;
 
 void ParticleFilter::start_at(const Pose& pose, double sigma_x_m, double sigma_y_m, double sigma_theta_rad) {
   State& s = *state_;
-  if (!finite(pose)) throw Error(ErrorKind::input, "start pose: expected finite numbers");
-  const Pose in_grid = relative(pose, s.map.T_map_grid);
-  const double cells_x = in_grid.x_m / s.map.resolution_m, cells_y = in_grid.y_m / s.map.resolution_m;
-  if (!(cells_x >= 0 && cells_y >= 0 && cells_x < s.map.width && cells_y < s.map.height))
-    throw Error(ErrorKind::input, "start pose (" + std::to_string(pose.x_m) + ", " +
-                                      std::to_string(pose.y_m) + "): expected a point inside the map " +
-                                      s.map.name);
-  for (const double sigma : {sigma_x_m, sigma_y_m, sigma_theta_rad})
-    if (!(sigma >= 0) || !std::isfinite(sigma))
-      throw Error(ErrorKind::input,
-                  "start pose: expected standard deviations that are finite and not negative");
+  check_start(s.map, pose, sigma_x_m, sigma_y_m, sigma_theta_rad);
   s.begin(gaussian_start(s.map, pose, sigma_x_m, sigma_y_m, sigma_theta_rad, s.config.most_particles(),
                          s.config.seed));
 }
@@ -353,12 +300,10 @@ const std::optional<Pose>& ParticleFilter::odometry() const {
   return state_->odometry;
 }
 BeamCounts ParticleFilter::beam_counts() const {
-  BeamCounts sum;
-  for (const LidarUse& lidar : state_->used) add(sum, lidar.beams);
-  return sum;
+  return state_->intake.total();
 }
 const std::vector<LidarUse>& ParticleFilter::lidars_used() const {
-  return state_->used;
+  return state_->intake.used();
 }
 std::vector<EndPoint> ParticleFilter::end_points(const Scan& scan) const {
   const FilterConfig& c = state_->config;

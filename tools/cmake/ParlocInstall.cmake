@@ -8,7 +8,10 @@ set(PARLOC_PUBLIC_HEADERS
   filter/backend_choice.h
   filter/config.h
   filter/particle_filter.h
+  filter/pose_filter.h
   filter/pose_guess.h
+  flow/flow_config.h
+  flow/flow_filter.h
   io/config.h
   io/log.h
   io/trajectory.h

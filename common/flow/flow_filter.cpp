@@ -1,0 +1,256 @@
+#include "common/flow/flow_filter.h"
+
+#include <algorithm>
+#include <cmath>
+#include <optional>
+
+#include "common/error.h"
+#include "common/filter/map_frame.h"
+#include "common/filter/scan_intake.h"
+#include "common/filter/start.h"
+#include "common/flow/flow_backend.h"
+#include "common/flow/mean_update.h"
+#include "common/io/config.h"
+#include "common/math/sha256.h"
+
+namespace parloc {
+namespace {
+
+constexpr double kStiff = 100.0;  // s / r from which Euler steps leave the cloud twice too wide (SPEC 7.6)
+
+const char* text_of(FlowSkip skip) {
+  switch (skip) {
+    case FlowSkip::none:
+      return "";
+    case FlowSkip::no_scan:
+      return "too few beams";
+    case FlowSkip::no_slope:
+      return "no beam ends near a wall of the map";
+    case FlowSkip::gated:
+      return "the scan is farther off than flow.gate_nis allows";
+    case FlowSkip::no_update:
+      break;
+  }
+  return "the information matrix is singular";
+}
+
+Covariance covariance_of(const Matrix3& p) {
+  Covariance c;
+  std::copy_n(p.m, 9, c.v);
+  return c;
+}
+
+/// The start's Gaussian, whose axes are the map's, in the grid frame.
+PoseGaussian start_gaussian(const GridMap& map, const Pose& pose, double sx, double sy, double st) {
+  const Pose in_grid = relative(pose, map.T_map_grid);
+  const Covariance c = turned({{sx * sx, 0, 0, 0, sy * sy, 0, 0, 0, st * st}}, -map.T_map_grid.theta_rad);
+  PoseGaussian g;
+  g.mean[0] = in_grid.x_m, g.mean[1] = in_grid.y_m, g.mean[2] = in_grid.theta_rad;
+  std::copy_n(c.v, 9, g.covariance.m);
+  g.covariance = proper_covariance(g.covariance);
+  return g;
+}
+
+/// The filter's Gaussian, about the particles' mean if there are any.
+PoseEstimate estimate_of(const FlowState& s, FlowMethod method, const Pose& T_map_grid) {
+  PoseEstimate e;
+  const Vector3 mean = is_kalman(method) ? s.posterior.mean : mean_of(s.cloud);
+  e.mean = compose(T_map_grid, {mean[0], mean[1], mean[2]});
+  e.covariance = turned(covariance_of(s.posterior.covariance), T_map_grid.theta_rad);
+  e.weight = 1.0;
+  e.heading_resultant = is_kalman(method) ? 1.0 : s.cloud.resultant;
+  return e;
+}
+
+/// What the particles alone say.
+PoseEstimate cloud_of(const FlowState& s, const Pose& T_map_grid) {
+  PoseEstimate e = in_map_frame(s.cloud, T_map_grid);
+  e.weight = 1.0;
+  return e;
+}
+
+}  // namespace
+
+struct FlowFilter::State {
+  State(FlowMethod m, const FilterConfig& c) : method(m), config(c), track(c.motion.max_jump_m) {
+    config.scan.max_beams = c.flow.max_beams;
+  }
+
+  FlowMethod method;
+  FilterConfig config;
+  GridMap map;
+  std::unique_ptr<FlowBackend> backend;
+  BeamTable beams;
+  OdometryTrack track;
+  ScanIntake intake;
+  std::optional<Pose> odometry;  // at the last step
+  Estimate last;
+  FlowSkip skip = FlowSkip::no_scan;
+  std::size_t jumps = 0, invalid = 0, stiff = 0, steps = 0;
+  bool started = false;
+  Sha256 estimates;
+
+  std::int64_t particles() const { return is_kalman(method) ? 0 : config.most_particles(); }
+  MotionStep motion(const Pose& now);
+  Estimate to_estimate(const FlowState& s) const;
+  void remember(const FlowState& s, const Estimate& e);
+};
+
+MotionStep FlowFilter::State::motion(const Pose& now) {
+  const OdometryIncrement u = odometry_increment(*odometry, now, config.motion.min_translation_m);
+  const double length_m = std::fabs(u.trans_m), most_m = config.motion.max_jump_m;
+  const bool jump = length_m > most_m;
+  jumps += jump ? 1 : 0;
+  return motion_step(u, config.motion, jump ? length_m / most_m : 1.0);
+}
+
+Estimate FlowFilter::State::to_estimate(const FlowState& s) const {
+  Estimate e;
+  e.mean = estimate_of(s, method, map.T_map_grid);
+  e.cluster = is_kalman(method) ? e.mean : cloud_of(s, map.T_map_grid);
+  e.pose = e.mean.mean;
+  e.covariance = e.mean.covariance;
+  e.ambiguous_heading = e.mean.heading_resultant < 1e-3;
+  e.particles = static_cast<std::size_t>(particles());
+  e.n_eff = static_cast<double>(e.particles);
+  e.weighted = s.skip == FlowSkip::none;
+  if (method == FlowMethod::pfpf) {
+    const StepState& w = backend->weights_state();
+    e.n_eff = w.n_eff;
+    e.resampled = w.resample != 0;
+    e.lost = e.weighted && w.degenerate != 0;
+  }
+  return e;
+}
+
+void FlowFilter::State::remember(const FlowState& s, const Estimate& e) {
+  skip = s.skip;
+  const bool euler = config.flow.integrator == FlowIntegrator::euler ||
+                     (method == FlowMethod::edh && config.flow.integrator == FlowIntegrator::automatic);
+  const bool steps_lag = !is_kalman(method) && method != FlowMethod::naedh && method != FlowMethod::gromov;
+  stiff += euler && steps_lag && s.skip == FlowSkip::none && s.stiffness > kStiff ? 1 : 0;
+  for (const double v : {e.pose.x_m, e.pose.y_m, e.pose.theta_rad, e.n_eff}) estimates.add(v);
+  for (const double v : e.covariance.v) estimates.add(v);
+  last = e;
+}
+
+FlowFilter::FlowFilter(FlowMethod method, const FilterConfig& config, const GridMap& map)
+    : state_(std::make_unique<State>(method, config)) {
+  validate(config);
+  if (std::none_of(map.cells.begin(), map.cells.end(), [](Cell c) { return c == Cell::free; }))
+    throw Error(ErrorKind::input, map.name + ": the map has no free cell");
+  State& s = *state_;
+  s.map = map;
+  std::string why;
+  s.backend = make_flow_backend(
+      config.backend, {s.particles(), config.threads, config.device, config.flow, method, config.resample},
+      why);
+  s.backend->set_map(map);
+}
+
+FlowFilter::~FlowFilter() = default;
+
+void FlowFilter::start_at(const Pose& pose, double sigma_x_m, double sigma_y_m, double sigma_theta_rad) {
+  State& s = *state_;
+  check_start(s.map, pose, sigma_x_m, sigma_y_m, sigma_theta_rad);
+  s.backend->start(
+      gaussian_start(s.map, pose, sigma_x_m, sigma_y_m, sigma_theta_rad, s.particles(), s.config.seed),
+      start_gaussian(s.map, pose, sigma_x_m, sigma_y_m, sigma_theta_rad));
+  s.odometry.reset();
+  s.track.clear();
+  s.intake.clear();
+  s.last = {};
+  s.last.pose = pose;
+  s.skip = FlowSkip::no_scan;
+  s.jumps = s.invalid = s.stiff = s.steps = 0;
+  s.estimates = {};
+  s.started = true;
+}
+
+void FlowFilter::set_seed(std::uint64_t seed) {
+  state_->config.seed = seed;
+}
+
+void FlowFilter::add_odometry(double stamp_s, const Pose& odometry) {
+  state_->track.add(stamp_s, odometry);
+}
+
+Estimate FlowFilter::step(const Pose& odometry, const Scan& scan) {
+  State& s = *state_;
+  if (!s.started) throw Error(ErrorKind::internal, "FlowFilter::step before start_at");
+  if (!std::isfinite(odometry.x_m) || !std::isfinite(odometry.y_m) || !std::isfinite(odometry.theta_rad)) {
+    ++s.invalid;
+    return s.last;
+  }
+  s.track.add(scan.stamp_s, odometry);
+  if (!s.odometry) s.odometry = odometry;
+  const FilterConfig& c = s.config;
+  const bool enough = s.intake.take(scan, s.intake.lidar_of(scan), c.scan, c.lidars, c.sensor, s.track,
+                                    s.map.resolution_m, s.beams) &&
+                      s.beams.hits >= static_cast<std::size_t>(c.scan.min_beams);
+  const MotionStep motion = s.motion(odometry);
+  s.odometry = odometry;
+  const RandomKey key{c.seed, static_cast<std::uint32_t>(s.steps)};
+  const FlowState& state = s.backend->step(motion, key, enough ? &s.beams : nullptr);
+  const Estimate e = s.to_estimate(state);
+  s.remember(state, e);
+  ++s.steps;
+  return e;
+}
+
+std::string FlowFilter::why_skipped() const {
+  return text_of(state_->skip);
+}
+
+std::vector<Particle> FlowFilter::particles(std::size_t most) const {
+  const ParticleSet set = state_->backend->download();
+  const std::size_t count = set.x.size(), kept = std::min(count, most);
+  double total = 0.0;
+  for (const float log_weight : set.log_weight) total += portable_exp(log_weight);
+  std::vector<Particle> out(kept);
+  for (std::size_t k = 0; k < kept; ++k) {
+    const std::size_t i = k * count / kept;
+    const Pose p = compose(state_->map.T_map_grid, {set.x[i], set.y[i], set.theta[i]});
+    out[k] = {static_cast<float>(p.x_m), static_cast<float>(p.y_m), static_cast<float>(p.theta_rad),
+              static_cast<float>(portable_exp(set.log_weight[i]) / total)};
+  }
+  return out;
+}
+
+BeamCounts FlowFilter::beam_counts() const {
+  return state_->intake.total();
+}
+const std::vector<LidarUse>& FlowFilter::lidars_used() const {
+  return state_->intake.used();
+}
+std::size_t FlowFilter::odometry_jumps() const {
+  return state_->jumps;
+}
+std::size_t FlowFilter::odometry_invalid() const {
+  return state_->invalid;
+}
+std::size_t FlowFilter::stiff_scans() const {
+  return state_->stiff;
+}
+std::size_t FlowFilter::steps() const {
+  return state_->steps;
+}
+std::string FlowFilter::backend_name() const {
+  return state_->backend->name();
+}
+const FilterConfig& FlowFilter::config() const {
+  return state_->config;
+}
+const GridMap& FlowFilter::map() const {
+  return state_->map;
+}
+
+std::string FlowFilter::digest() const {
+  Sha256 sha = state_->estimates;
+  const ParticleSet set = state_->backend->download();
+  for (const auto* values : {&set.x, &set.y, &set.theta, &set.log_weight})
+    for (const float v : *values) sha.add(v);
+  return sha.hex();
+}
+
+}  // namespace parloc

@@ -1,0 +1,47 @@
+// The Kalman update with one innovation per scan, 0 - psi (Dantanarayana et al. 2013; SPEC 8.1, 8.3).
+#pragma once
+
+#include "common/flow/field_measurement.h"
+#include "common/flow/pose_gaussian.h"
+
+namespace parloc {
+
+/// How far off a scan may be before it is mistrusted.
+struct GateRule {
+  FlowGate kind = FlowGate::off;
+  double most_nis = 0.0;
+};
+
+struct GatedNoise {
+  double variance = 0.0;  ///< r, larger if the scan was mistrusted.
+  double nis = 0.0;       ///< psi^2 / S before that.
+  bool rejected = false;
+};
+PARLOC_HD GatedNoise gate(const Matrix3& covariance, const FieldMeasurement& z, double variance,
+                          const GateRule& rule) {
+  const double s = dot(z.slope, multiply(covariance, z.slope));
+  GatedNoise g{variance, z.psi_m * z.psi_m / (s + variance), false};
+  if (rule.kind == FlowGate::off || g.nis <= rule.most_nis) return g;
+  g.rejected = rule.kind == FlowGate::reject;
+  g.variance = variance * (g.nis / rule.most_nis);
+  return g;
+}
+
+/// Joseph form: symmetric and positive whatever the rounding.
+PARLOC_HD PoseGaussian kalman_update(const PoseGaussian& prior, const FieldMeasurement& z, double variance) {
+  const Vector3 k = multiply(prior.covariance, z.slope);
+  const double innovation_variance = dot(z.slope, k) + variance;
+  Vector3 gain;
+  for (int i = 0; i < 3; ++i) gain[i] = k[i] / innovation_variance;
+  Vector3 step;
+  for (int i = 0; i < 3; ++i) step[i] = -gain[i] * z.psi_m;
+  Matrix3 keep = identity3();
+  for (int i = 0; i < 3; ++i)
+    for (int j = 0; j < 3; ++j) keep(i, j) -= gain[i] * z.slope[j];
+  PoseGaussian out;
+  out.mean = box_plus(prior.mean, step);
+  out.covariance = proper_covariance(plus_outer(sandwich(keep, prior.covariance), variance, gain));
+  return out;
+}
+
+}  // namespace parloc

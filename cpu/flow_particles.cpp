@@ -1,0 +1,34 @@
+#include "common/flow/particle_flow.h"
+
+#include "common/filter/normalise.h"
+#include "cpu/flow_stages.h"
+
+namespace parloc::cpu {
+void flow_particles(const Field& field, const FlowRules& rules, const PaddedScan& scan,
+                    const MotionStep& motion, RandomKey key, const FlowState& state, const Particles& p,
+                    Workers& workers) {
+  const bool weighted = rules.method == FlowMethod::pfpf;
+  const bool has_scan = scan.kept > 0.0f && state.skip == FlowSkip::none;
+  if (!weighted && !has_scan) return;
+  const MotionNoise u = motion_noise(motion);
+  const auto loop = [&](std::size_t begin, std::size_t end) PARLOC_SIMD_LOOP {
+    BeamNotes notes;
+    for (std::size_t i = begin; i < end; ++i) {
+      ParticleFlow flow;
+      if (weighted)
+        flow.begin_weighted(propose(pose_of(p, i), u, rules, static_cast<std::uint32_t>(i), key), rules);
+      else
+        flow.begin_local(state.centre, state.prior.covariance, pose_of(p, i), rules);
+      while (has_scan && !flow.done()) {
+        const ScanPose pose = scan_pose(flow.at(), field);
+        const auto sum = sum_beams(field, scan, pose, MeanTerms{}, notes);
+        flow.take(finish_measurement(sum, static_cast<double>(scan.kept), field), rules, state.r_scale);
+      }
+      put_pose(flow.pose(), p, i);
+      if (weighted && has_scan) p.log_weight[i] += static_cast<float>(flow.log_weight());
+    }
+  };
+  parallel_blocks(p.count(), workers.threads, 1, loop);
+}
+
+}  // namespace parloc::cpu

@@ -1,0 +1,35 @@
+#include "cpu/flow_stages.h"
+
+namespace parloc::cpu {
+namespace {
+
+/// The lower one of an even number; reorders the values.
+float median(float* values, std::size_t count) {
+  float* middle = values + (count - 1) / 2;
+  std::nth_element(values, middle, values + count);
+  return *middle;
+}
+
+}  // namespace
+
+void reject_beams(const Field& field, const FlowRules& rules, const FlowState& state, PaddedScan& scan,
+                  BeamNotes& notes) {
+  if (!(rules.z_score > 0.0) || scan.hits == 0) return;
+  const StrictFloat strict;
+  const ScanPose pose = scan_pose(state.prior.mean, field);
+  float* distance = notes.right;  // both are free until the scan is summed
+  float* sorted = notes.up;
+  for (std::size_t m = 0; m < scan.hits; ++m)
+    distance[m] = look_up(field, pose, beam_arm(pose, scan.end_x[m], scan.end_y[m])).distance;
+  std::copy_n(distance, scan.hits, sorted);
+  const float middle = median(sorted, scan.hits);
+  for (std::size_t m = 0; m < scan.hits; ++m) sorted[m] = __builtin_fabsf(distance[m] - middle);
+  const float deviation = median(sorted, scan.hits);
+  scan.kept = 0.0f;
+  for (std::size_t m = 0; m < scan.hits; ++m) {
+    scan.keep[m] = is_usual(distance[m], middle, deviation, rules.z_score) ? 1.0f : 0.0f;
+    scan.kept += scan.keep[m];
+  }
+}
+
+}  // namespace parloc::cpu

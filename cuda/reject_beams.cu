@@ -1,0 +1,96 @@
+#include "common/model/beams.h"
+#include "cuda/flow_stages.h"
+
+namespace parloc::PARLOC_CUDA_NAMESPACE {
+namespace {
+
+/// Medians on one block. The order of floats above 0 is that of their bits, so a median is found bit by bit,
+/// by counting; counts do not depend on the order of threads.
+struct RejectBeams {
+  struct Shared {
+    std::uint64_t below;
+    std::uint32_t found;
+    float middle, deviation;
+  };
+  static constexpr int kBits = 31;
+  static constexpr int kMedianPhases = 2 * kBits;
+  static constexpr int kPhases = 1 + kMedianPhases + 1 + kMedianPhases + 2;
+  Field field;
+  FlowRules rules;
+  FlowScan scan;
+  const FlowState* state;
+  float* distance;
+  float* keep;
+  float* kept;
+
+  PARLOC_HD void operator()(const Thread& me, int phase, Shared& s) const {
+    const std::size_t n = scan.hits();
+    if (n == 0) {
+      if (me.thread == 0) *kept = 0.0f;
+      return;
+    }
+    if (phase == 0) return look_up_all(me, s);
+    if (phase <= kMedianPhases) return search(me, phase - 1, distance_of(0.0f, false), s);
+    if (phase == kMedianPhases + 1) {
+      if (me.thread == 0) s.middle = float_of(s.found), s.found = 0, s.below = 0;
+      return;
+    }
+    if (phase <= 2 * kMedianPhases + 1)
+      return search(me, phase - kMedianPhases - 2, distance_of(s.middle, true), s);
+    if (phase + 1 < kPhases) {
+      if (me.thread == 0) s.deviation = float_of(s.found), s.below = 0;
+      return;
+    }
+    decide(me, s);
+  }
+
+ private:
+  /// A distance, or how far it is from the median.
+  struct Value {
+    const float* distance;
+    float middle;
+    bool off;
+    PARLOC_HD std::uint32_t operator()(std::size_t m) const {
+      return bits_of(off ? __builtin_fabsf(distance[m] - middle) : distance[m]);
+    }
+  };
+  PARLOC_HD Value distance_of(float middle, bool off) const { return {distance, middle, off}; }
+
+  PARLOC_HD void look_up_all(const Thread& me, Shared& s) const {
+    if (me.thread == 0) s.below = 0, s.found = 0, *kept = 0.0f;
+    const ScanPose pose = scan_pose(state->prior.mean, field);
+    const Beams& b = scan.beams;
+    for (std::size_t m = me.thread; m < scan.hits(); m += kThreads)
+      distance[m] = look_up(field, pose, beam_arm(pose, b.end_x[m], b.end_y[m])).distance;
+  }
+  /// Whether the median has the bit: as many as half are below the number that does.
+  PARLOC_HD void search(const Thread& me, int phase, const Value& value, Shared& s) const {
+    const std::uint32_t candidate = s.found | (1u << (kBits - 1 - phase / 2));
+    if (phase % 2 == 0) {
+      std::uint64_t below = 0;
+      for (std::size_t m = me.thread; m < scan.hits(); m += kThreads) below += value(m) < candidate ? 1 : 0;
+      atomic_add(&s.below, below);
+    } else if (me.thread == 0) {
+      if (s.below <= (scan.hits() - 1) / 2) s.found = candidate;
+      s.below = 0;
+    }
+  }
+  PARLOC_HD void decide(const Thread& me, Shared& s) const {
+    if (me.thread > 0) return;
+    float count = 0.0f;
+    for (std::size_t m = 0; m < scan.hits(); ++m) {
+      keep[m] = is_usual(distance[m], s.middle, s.deviation, rules.z_score) ? 1.0f : 0.0f;
+      count += keep[m];
+    }
+    *kept = count;
+  }
+};
+
+}  // namespace
+
+void reject_beams(const Field& field, const FlowRules& rules, const FlowScan& scan, const FlowState* state,
+                  float* distance, float* keep, float* kept, Stream stream) {
+  launch(RejectBeams{field, rules, scan, state, distance, keep, kept}, 1, stream);
+}
+
+}  // namespace parloc::PARLOC_CUDA_NAMESPACE

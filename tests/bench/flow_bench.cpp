@@ -1,0 +1,129 @@
+// How long a step of the flow and Kalman filters takes, all of it: the scan's beams, motion, update,
+// estimate.
+//   ./flow_bench [--benchmark_filter=step/naedh/cpu/particles:100] [--benchmark_repetitions=5]
+// The place is that of stage_bench: the hall with obstacles, an 8 m LiDAR of 270 degrees, a scan simulated
+// against the map of 1 cm; 360 of its beams. The robot goes to and fro by 5 cm, so that every iteration has
+// motion and starts near where the one before began. Wall clock.
+#include <benchmark/benchmark.h>
+
+#include <chrono>
+#include <string>
+
+#include "common/error.h"
+#include "common/eval/simulator.h"
+#include "common/filter/backend.h"
+#include "common/flow/flow_filter.h"
+#include "common/map/map_reader.h"
+#include "common/model/beams.h"
+
+namespace {
+
+using namespace parloc;
+
+const std::string kRoot = std::string(PARLOC_SOURCE_DIR) + "/";
+
+struct Place {
+  GridMap map;
+  Scan scan;
+  Pose pose;
+};
+
+/// Half-way along the path of Paz et al. 2012, with twice the beams of its LiDAR.
+const Place& hall() {
+  static const Place place = [] {
+    Scenario scenario = read_scenario(kRoot + "configs/paz2012_scenario.yaml");
+    scenario.lidar.dropout_probability = 0.0;
+    scenario.lidar.beams = 360;
+    const SimulatedLog log =
+        simulate(scenario, read_map(scenario.map_path), [](double fraction) { return fraction < 0.5; });
+    Place p;
+    p.map = read_map(kRoot + "maps/hall_obstacles.yaml");
+    p.pose = log.truth.back().pose;
+    for (const LogRecord& record : log.records)
+      if (record.kind == RecordKind::scan) p.scan = record.scan;
+    return p;
+  }();
+  return place;
+}
+
+void step(benchmark::State& state, const std::string& name, BackendChoice backend, std::int64_t particles,
+          int threads) {
+  const Place& place = hall();
+  FilterConfig config;
+  config.backend = backend;
+  config.particles = particles;
+  config.threads = threads;
+  const auto filter = make_pose_filter(name, config, place.map);
+  filter->start_at(place.pose, 0.05, 0.05, 0.02);
+  bool forward = false;
+  for (auto _ : state) {
+    forward = !forward;
+    benchmark::DoNotOptimize(filter->step({forward ? 0.05 : 0.0, 0.0, 0.0}, place.scan));
+  }
+  if (!filter->why_skipped().empty()) state.SkipWithError(filter->why_skipped().c_str());
+  state.counters["steps/s"] = benchmark::Counter(1, benchmark::Counter::kIsIterationInvariantRate);
+  state.SetLabel(filter->backend_name());
+}
+
+/// What the host does before any of it, with the directions of the beams remembered or not.
+void beams(benchmark::State& state, bool remembered) {
+  const Place& place = hall();
+  ScanConfig config;
+  config.max_beams = 360;
+  BeamTable table;
+  BeamCounts counts;
+  BeamDirections directions;
+  const LidarSetup setup = lidar_setup(place.scan, config);
+  for (auto _ : state) {
+    select_beams(place.scan, setup, nullptr, SensorConfig{}, place.map.resolution_m, table, counts,
+                 remembered ? &directions : nullptr);
+    benchmark::DoNotOptimize(table.end_x.data());
+  }
+}
+
+void add(const std::string& name, BackendChoice backend, std::int64_t particles, int threads) {
+  std::string full = "step/" + name + (backend == BackendChoice::cpu ? "/cpu" : "/cuda") +
+                     "/particles:" + std::to_string(particles);
+  if (backend == BackendChoice::cpu) full += "/threads:" + std::to_string(threads);
+  benchmark::RegisterBenchmark(
+      full.c_str(), [=](benchmark::State& state) { step(state, name, backend, particles, threads); })
+      ->UseRealTime()
+      ->Unit(benchmark::kMicrosecond);
+}
+
+void add_backend(BackendChoice backend, int threads) {
+  for (const char* name : {"ekf", "ekf_beams"}) add(name, backend, 1, threads);
+  for (const std::int64_t particles : {10, 100, 1000, 10'000, 100'000, 1'000'000})
+    for (const char* name : {"edh", "naedh", "gromov"}) add(name, backend, particles, threads);
+  for (const std::int64_t particles : {10, 100, 1000})
+    for (const char* name : {"ledh", "pfpf"}) add(name, backend, particles, threads);
+}
+
+bool cuda_answers() {
+  try {
+    BackendConfig config;
+    config.particles = 1;
+    std::string why;
+    make_backend(BackendChoice::cuda, config, why);
+    return true;
+  } catch (const Error&) {
+    return false;
+  }
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  benchmark::Initialize(&argc, argv);
+  if (benchmark::ReportUnrecognizedArguments(argc, argv)) return 2;
+  for (const bool remembered : {false, true})
+    benchmark::RegisterBenchmark(remembered ? "beams/remembered" : "beams",
+                                 [=](benchmark::State& state) { beams(state, remembered); })
+        ->UseRealTime()
+        ->Unit(benchmark::kMicrosecond);
+  for (const int threads : {1, 2}) add_backend(BackendChoice::cpu, threads);
+  if (cuda_answers()) add_backend(BackendChoice::cuda, 1);
+  benchmark::RunSpecifiedBenchmarks();
+  benchmark::Shutdown();
+  return 0;
+}

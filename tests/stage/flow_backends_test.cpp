@@ -1,0 +1,230 @@
+// Every flow and Kalman filter: the kernel bodies run on the host, the OpenMP loops at several thread counts
+// and instruction sets, and a GPU where there is one, all from the same input, must agree to the bit.
+#include <gtest/gtest.h>
+
+#include <cstdlib>
+#include <cstring>
+#include <ostream>
+
+#include "common/error.h"
+#include "common/eval/simulator.h"
+#include "common/filter/start.h"
+#include "common/flow/flow_backend.h"
+#include "cpu/simd.h"
+
+namespace parloc {
+namespace cuda_on_host {
+std::unique_ptr<FlowBackend> make_flow_backend_on_host(const FlowBackendConfig& config);
+}
+namespace {
+
+GridMap room() {
+  std::vector<std::string> rows(60, std::string(110, '.'));
+  for (std::size_t i = 0; i < 110; ++i) rows.front()[i] = rows.back()[i] = '#';
+  for (auto& r : rows) r.front() = r.back() = '#';
+  for (std::size_t k = 0; k < 14; ++k) rows[5 + k * 3][(k * 37) % 100 + 4] = '#';
+  for (std::size_t j = 20; j < 40; ++j) rows[j][55] = '#';
+  return grid_from_text(rows, 0.05, {-1.0, 2.0, 0.3});
+}
+
+/// As seen from a pose of the map frame; every seventh beam returns nothing, every fifth is cut short.
+Scan scan_from(const GridMap& map, const Pose& pose, std::size_t beams) {
+  Scan s;
+  s.T_base_sensor = {0.1, -0.05, 0.2};
+  s.angle_min_rad = -2.0;
+  s.angle_step_rad = 4.0 / static_cast<double>(beams);
+  s.range_max_m = 4.0;
+  for (std::size_t i = 0; i < beams; ++i) {
+    const Pose ray = compose(compose(pose, s.T_base_sensor),
+                             {0, 0, s.angle_min_rad + static_cast<double>(i) * s.angle_step_rad});
+    const double range_m = cast_simulated_ray(map, ray.x_m, ray.y_m, ray.theta_rad, 4.0).range_m;
+    s.ranges_m.push_back(i % 7 == 3 ? 9.0f : static_cast<float>(i % 5 == 2 ? 0.8 * range_m : range_m));
+  }
+  return s;
+}
+
+/// Everything that a step leaves, as numbers in a row.
+std::vector<double> numbers_of(const FlowState& s) {
+  std::vector<double> n;
+  const auto add = [&n](const double* from, std::size_t count) { n.insert(n.end(), from, from + count); };
+  for (const PoseGaussian* g : {&s.prior, &s.posterior}) add(g->mean.v, 3), add(g->covariance.m, 9);
+  add(s.centre.v, 3);
+  const Moments& m = s.cloud;
+  for (const double v : {m.x, m.y, m.theta, m.resultant, m.xx, m.xy, m.xt, m.yy, m.yt, m.tt}) n.push_back(v);
+  add(s.scan.slope.v, 3);
+  for (const double v : {s.scan.psi_m, s.scan.range_slope_sq, s.scan.beams, s.nis, s.stiffness, s.r_scale,
+                         static_cast<double>(s.skip)})
+    n.push_back(v);
+  return n;
+}
+
+struct Trace {
+  std::vector<std::vector<double>> states;
+  std::vector<ParticleSet> sets;
+  std::size_t used = 0, resampled = 0;
+};
+
+Trace run(FlowBackend& backend, const FlowBackendConfig& config) {
+  const GridMap map = room();
+  backend.set_map(map);
+  const Pose start = compose(map.T_map_grid, {2.0, 1.5, 0.4});
+  PoseGaussian gaussian;
+  gaussian.mean[0] = 2.0, gaussian.mean[1] = 1.5, gaussian.mean[2] = 0.4;
+  gaussian.covariance = diagonal3(0.01, 0.01, 0.0025);
+  backend.start(gaussian_start(map, start, 0.1, 0.1, 0.05, config.particles, 7), gaussian);
+  Trace t;
+  Pose truth = compose(start, {0.05, -0.04, 0.03});
+  BeamTable beams;
+  BeamCounts counts;
+  for (std::uint32_t step = 0; step < 8; ++step) {  // enough for recorded steps to be started again
+    ScanConfig scan_config;
+    scan_config.max_beams = step == 1 ? 300 : 100 + 45 * static_cast<int>(step % 3);
+    const float turn_rad = 0.05f - 0.01f * static_cast<float>(step);
+    const MotionStep motion{turn_rad, 0.05f, -0.02f, 0.02f, 0.02f, 0.02f};
+    truth = compose(compose(truth, {0, 0, turn_rad}), {0.05, 0, -0.02});
+    select_beams(scan_from(map, truth, 320 - step), scan_config, SensorConfig{}, map.resolution_m, beams,
+                 counts);
+    const FlowState& state = backend.step(motion, {99, step}, step == 4 ? nullptr : &beams);
+    t.states.push_back(numbers_of(state));
+    t.used += state.skip == FlowSkip::none ? 1 : 0;
+    t.resampled += backend.weights_state().resample;
+    t.sets.push_back(backend.download());
+  }
+  return t;
+}
+
+template <class T>
+testing::AssertionResult same_bits(const std::vector<T>& a, const std::vector<T>& b) {
+  if (a.size() != b.size()) return testing::AssertionFailure() << a.size() << " and " << b.size();
+  for (std::size_t i = 0; i < a.size(); ++i)
+    if (std::memcmp(&a[i], &b[i], sizeof(T)) != 0)
+      return testing::AssertionFailure() << "[" << i << "]: " << a[i] << " and " << b[i];
+  return testing::AssertionSuccess();
+}
+
+void expect_same(const Trace& a, const Trace& b) {
+  ASSERT_EQ(a.states.size(), b.states.size());
+  for (std::size_t k = 0; k < a.states.size(); ++k) {
+    SCOPED_TRACE("step " + std::to_string(k));
+    EXPECT_TRUE(same_bits(a.states[k], b.states[k]));
+    EXPECT_TRUE(same_bits(a.sets[k].x, b.sets[k].x));
+    EXPECT_TRUE(same_bits(a.sets[k].y, b.sets[k].y));
+    EXPECT_TRUE(same_bits(a.sets[k].theta, b.sets[k].theta));
+    EXPECT_TRUE(same_bits(a.sets[k].log_weight, b.sets[k].log_weight));
+  }
+}
+
+struct Case {
+  const char* name;
+  FlowMethod method;
+  FlowPrior prior = FlowPrior::recentred;
+  FieldInterpolation interpolation = FieldInterpolation::bilinear;
+  FlowSchedule schedule = FlowSchedule::uniform;
+  double z_score = 0.0;
+  FlowIntegrator integrator = FlowIntegrator::automatic;
+};
+
+void PrintTo(const Case& c, std::ostream* out) {
+  *out << c.name;
+}
+
+class FlowBackends : public testing::TestWithParam<Case> {
+ protected:
+  FlowBackendConfig config(std::int64_t particles, int threads) const {
+    const Case& p = GetParam();
+    FlowBackendConfig c;
+    c.particles = is_kalman(p.method) ? 0 : particles;
+    c.threads = threads;
+    c.method = p.method;
+    c.flow.prior = p.prior;
+    c.flow.interpolation = p.interpolation;
+    c.flow.schedule = p.schedule;
+    c.flow.integrator = p.integrator;
+    c.flow.z_score = p.z_score;
+    c.flow.steps = 5;
+    c.resample.scheme = p.prior == FlowPrior::sample ? ResampleScheme::residual : ResampleScheme::systematic;
+    return c;
+  }
+  Trace cpu(std::int64_t particles, int threads) const {
+    return run(*make_cpu_flow_backend(config(particles, threads)), config(particles, threads));
+  }
+  /// Particles that flow one by one take long.
+  std::vector<std::int64_t> counts() const {
+    const bool one_by_one = GetParam().method == FlowMethod::ledh || GetParam().method == FlowMethod::pfpf;
+    if (one_by_one) return {1, 9, 300};
+    return {1, 31, 257, 1025, 9001};
+  }
+};
+
+TEST_P(FlowBackends, KernelBodiesOnTheHostEqualTheOpenMpTwin) {
+  for (const std::int64_t n : counts()) {
+    SCOPED_TRACE(n);
+    const auto kernels = cuda_on_host::make_flow_backend_on_host(config(n, 1));
+    expect_same(cpu(n, 1), run(*kernels, config(n, 1)));
+  }
+}
+
+TEST_P(FlowBackends, ThreadsDoNotMatter) {
+  for (const std::int64_t n : counts()) {
+    SCOPED_TRACE(n);
+    const Trace one = cpu(n, 1);
+    expect_same(one, cpu(n, 2));
+    expect_same(one, cpu(n, 4));
+  }
+}
+
+TEST_P(FlowBackends, InstructionSetDoesNotMatter) {
+  const Trace best = cpu(counts().back(), 2);
+  for (const cpu::Simd level : {cpu::Simd::avx2, cpu::Simd::baseline}) {
+    cpu::limit_simd(level);
+    expect_same(best, cpu(counts().back(), 2));
+  }
+  cpu::limit_simd(cpu::Simd::avx512);
+}
+
+// Bits that agree say nothing if nothing happened.
+TEST_P(FlowBackends, TheScansAreUsed) {
+  const Trace t = cpu(300, 1);
+  EXPECT_EQ(t.used, 7u);  // of eight steps, one has no scan
+  EXPECT_EQ(t.resampled > 0, GetParam().method == FlowMethod::pfpf);
+}
+
+TEST_P(FlowBackends, GpuEqualsCpu) {
+  std::unique_ptr<FlowBackend> gpu;
+  try {
+    std::string why;
+    gpu = make_flow_backend(BackendChoice::cuda, config(300, 1), why);
+  } catch (const Error& e) {
+    const char* required = std::getenv("PARLOC_REQUIRE_GPU");
+    if (required != nullptr && std::strcmp(required, "1") == 0) FAIL() << e.what();
+    GTEST_SKIP() << e.what();
+  }
+  expect_same(cpu(300, 2), run(*gpu, config(300, 1)));
+}
+
+INSTANTIATE_TEST_SUITE_P(
+    All, FlowBackends,
+    testing::Values(Case{"ekf", FlowMethod::ekf},
+                    Case{"ekf_z_score", FlowMethod::ekf, FlowPrior::recentred, FieldInterpolation::bilinear,
+                         FlowSchedule::uniform, 3.0},
+                    Case{"ekf_beams", FlowMethod::ekf_beams},
+                    Case{"ekf_beams_cubic", FlowMethod::ekf_beams, FlowPrior::recentred,
+                         FieldInterpolation::cubic},
+                    Case{"edh", FlowMethod::edh},
+                    Case{"edh_published", FlowMethod::edh, FlowPrior::ekf, FieldInterpolation::cubic},
+                    Case{"naedh", FlowMethod::naedh},
+                    Case{"naedh_contract", FlowMethod::naedh, FlowPrior::ekf, FieldInterpolation::bilinear,
+                         FlowSchedule::contract},
+                    Case{"naedh_sample", FlowMethod::naedh, FlowPrior::sample, FieldInterpolation::bilinear,
+                         FlowSchedule::exponential, 3.0},
+                    Case{"ledh", FlowMethod::ledh},
+                    Case{"ledh_euler", FlowMethod::ledh, FlowPrior::recentred, FieldInterpolation::cubic,
+                         FlowSchedule::exponential, 0.0, FlowIntegrator::euler},
+                    Case{"gromov", FlowMethod::gromov},
+                    Case{"gromov_ekf", FlowMethod::gromov, FlowPrior::ekf}, Case{"pfpf", FlowMethod::pfpf},
+                    Case{"pfpf_euler", FlowMethod::pfpf, FlowPrior::sample, FieldInterpolation::bilinear,
+                         FlowSchedule::contract, 0.0, FlowIntegrator::euler}),
+    [](const auto& one) { return std::string(one.param.name); });
+
+}  // namespace
+}  // namespace parloc
