@@ -14,3 +14,4 @@
 #include "common/map/grid_map.h"
 #include "common/map/map_reader.h"
 #include "common/math/pose.h"
+#include "common/search/global_search.h"

@@ -60,6 +60,7 @@ void declare(CLI::App& app, EvaluateOptions& o) {
   add_text_option(app, "--samples", o.samples, "F.csv", "Write every scan of every trial there");
   add_text_option(app, "--out", o.out, "DIR", "Write evaluate.json and report.html there");
   app.add_flag("--quiet", o.quiet, "No progress and no tables");
+  app.get_help_ptr()->group("");  // whoever reads the list knows it
   app.footer("docs/evaluate.md");
 }
 

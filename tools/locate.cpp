@@ -17,6 +17,7 @@
 #include "common/io/hypothesis_picture.h"
 #include "common/io/output_file.h"
 #include "common/io/scan_file.h"
+#include "common/model/beams.h"
 #include "common/model/lidar.h"
 #include "common/search/global_search.h"
 #include "tools/commands.h"

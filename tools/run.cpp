@@ -50,8 +50,9 @@ void declare(CLI::App& app, RunOptions& o) {
   add_text_option(app, "--near", o.near, "X,Y,R", "--init global within R of (X, Y) [m] only");
   add_text_option(app, "--heading", o.heading, "A,T", "... and headings from A - T to A + T only [rad]");
   add_text_option(app, "--out", o.out, "DIR", "Folder for the results (parloc_out)");
-  add_text_option(app, "--backend", o.backend, "WHICH", "auto, cpu or cuda");
-  add_text_option(app, "--device", o.device, "D", "CUDA device, as parloc devices lists them");
+  add_text_option(app, "--backend", o.backend, "WHICH",
+                  "auto, cpu or cuda; --device D is one of several GPUs");
+  add_text_option(app, "--device", o.device, "D", "CUDA device, as parloc devices lists them")->group("");
   add_text_option(app, "--particles", o.particles, "N", "A fixed number, 1 to 16777216");
   add_text_option(app, "--beams", o.beams, "B", "Beams used of a scan, 1 to 4096");
   add_text_option(app, "--seed", o.seed, "S", "Same seed, same answer");
@@ -60,6 +61,7 @@ void declare(CLI::App& app, RunOptions& o) {
   app.add_flag("--strict", o.strict, "Broken data end the run; a doubt at its end is code 7");
   app.add_flag("--json", o.json, "Print the metrics alone, as JSON");
   app.add_flag("--quiet", o.quiet, "No progress and no summary");
+  app.get_help_ptr()->group("");  // whoever reads the list knows it
 }
 
 BackendChoice backend_choice(const std::string& name) {

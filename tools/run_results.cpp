@@ -219,7 +219,8 @@ std::string beams_text(const LidarUse& lidar, int min_beams) {
   if (beams.rejected() > 0) {
     const double percent =
         100.0 * static_cast<double>(beams.rejected()) / static_cast<double>(beams.considered);
-    text += fmt::format("; {:.2g} % dropped: {}", percent, rejected_text(beams));
+    const int digits = percent < 10.0 ? 2 : 3;
+    text += fmt::format("; {:.{}g} % dropped: {}", percent, digits, rejected_text(beams));
   }
   if (beams.misses > 0) text += fmt::format("; {} saw nothing in range", beams.misses);
   if (lidar.too_few > 0) {

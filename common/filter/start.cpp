@@ -54,7 +54,7 @@ std::vector<std::uint32_t> free_cells(const GridMap& map) {
   std::vector<std::uint32_t> cells;
   for (std::size_t c = 0; c < map.size(); ++c)
     if (map.cells[c] == Cell::free) cells.push_back(static_cast<std::uint32_t>(c));
-  if (cells.empty()) throw Error(ErrorKind::input, map.name + ": the map has no free cell to start in");
+  if (cells.empty()) throw Error(ErrorKind::input, map.name + ": the map has no free cell");
   return cells;
 }
 

@@ -2,6 +2,7 @@
 
 #include <yaml-cpp/yaml.h>
 
+#include <cmath>
 #include <limits>
 
 #include "common/error.h"
@@ -12,6 +13,7 @@ namespace {
 
 constexpr double kDegree = 3.14159265358979323846 / 180.0;
 constexpr double kLongest_m = 1e6;
+constexpr double kMostMount = 1000.0;  // [m], or [deg]
 
 std::vector<float> ranges_of(YamlSection& root) {
   root.require("ranges");
@@ -29,10 +31,19 @@ std::vector<float> ranges_of(YamlSection& root) {
   return ranges;
 }
 
+/// Of the LiDAR on the robot.
+Pose mount_of(YamlSection& root) {
+  double mount[3] = {0.0, 0.0, 0.0};
+  if (root.has("mount")) root.numbers("mount", mount, 3);
+  for (const double value : mount)
+    if (std::fabs(value) > kMostMount) throw root.error("mount", "has a value beyond 1000");
+  return compose({mount[0], mount[1], mount[2] * kDegree}, {});  // wraps the heading
+}
+
 Scan scan_of(const std::string& text, const std::string& name) {
   YamlSection root(yaml_document(text, name), name, "");
   Scan scan;
-  double angle_min_deg = 0.0, angle_step_deg = 0.0, mount[3] = {0.0, 0.0, 0.0};
+  double angle_min_deg = 0.0, angle_step_deg = 0.0;
   const double most = std::numeric_limits<double>::max();
   for (const char* key : {"angle_min_deg", "angle_step_deg"}) root.require(key);
   root.number("angle_min_deg", angle_min_deg, -720.0, 720.0);
@@ -41,12 +52,13 @@ Scan scan_of(const std::string& text, const std::string& name) {
   root.number("range_max", scan.range_max_m, 1e-3, kLongest_m);
   root.number("stamp", scan.stamp_s, -most, most);
   root.text("sensor", scan.sensor);
-  if (root.has("mount")) root.numbers("mount", mount, 3);
+  if (root.has("range_max") && scan.range_min_m >= scan.range_max_m)
+    throw root.error("range_min", "must be below range_max");
+  scan.T_base_sensor = mount_of(root);
   scan.ranges_m = ranges_of(root);
   root.finish();
   scan.angle_min_rad = angle_min_deg * kDegree;
   scan.angle_step_rad = angle_step_deg * kDegree;
-  scan.T_base_sensor = compose({mount[0], mount[1], mount[2] * kDegree}, {});  // wraps the heading
   return scan;
 }
 

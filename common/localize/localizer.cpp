@@ -3,9 +3,9 @@
 #include <algorithm>
 #include <cmath>
 
+#include "common/localize/place_judge.h"
 #include "common/math/portable64.h"
 #include "common/search/global_search.h"
-#include "common/search/scan_evidence.h"
 
 namespace parloc {
 namespace {
@@ -19,7 +19,7 @@ constexpr double kLeastMode = 0.02;
 /// Evidence of a scan that may tell where it was taken [nat per beam]: one of less is bad itself.
 constexpr double kFits = 1.0;
 /// Shares of all that the search finds: from here on there is no doubt, and up to here none worth a particle.
-constexpr double kNoDoubt = 0.98, kNoMatter = 0.02;
+constexpr double kNoDoubt = 0.99, kNoMatter = 0.01;
 /// What the probability is worth as long as there may be a rival elsewhere.
 constexpr double kUnsettled = 0.7;
 /// A hypothesis this close to a mode is the same place.
@@ -52,26 +52,28 @@ LocalizerConfig localizer_config(const FilterConfig& config) {
 
 struct Localizer::State {
   State(const LocalizerConfig& c, const GridMap& map)
-      : config(c), filter(c.filter, map), evidence(map), T_map_grid(map.T_map_grid) {}
+      : config(c), filter(c.filter, map), judge(map, c.search.effective_beams) {}
 
   void begin(bool is_lost, bool is_settled, const SearchPrior& known);
   std::vector<Mode> modes_at(const Pose& odometry) const;
   bool search_is_due(const Pose& odometry, double stamp_s) const;
-  std::vector<Hypothesis> search_map(const Pose& odometry, const Scan& scan, LocalizerEstimate& out);
-  void look_everywhere(const Pose& odometry, const Scan& scan, LocalizerEstimate& out);
-  void look_for_others(const Pose& odometry, const Scan& scan, LocalizerEstimate& out);
-  void judge(const Scan& scan, LocalizerEstimate& out);
+  std::vector<Hypothesis> search_map(const Pose& odometry, const BeamTable& beams, LocalizerEstimate& out);
+  void look_everywhere(const Pose& odometry, const BeamTable& beams, LocalizerEstimate& out);
+  void look_for_others(const Pose& odometry, const BeamTable& beams, LocalizerEstimate& out);
+  void drop_refuted(const Pose& odometry, const BeamTable& beams);
+  void settle(const Pose& odometry, const Scan& scan, LocalizerEstimate& out);
+  void watch(const Pose& odometry, double stamp_s, LocalizerEstimate& out);
 
   LocalizerConfig config;
   ParticleFilter filter;
   std::unique_ptr<GlobalSearch> search;  // made when there is something to search
-  ScanEvidence evidence;
-  Pose T_map_grid;
+  PlaceJudge judge;                      // remembers scans from where the doubt began
   SearchPrior prior;
   HealthMonitor monitor;
-  bool placed = false;   // it was told or has found where it may be, since the start
-  bool lost = true;      // search at the next scan
-  bool settled = false;  // else there may be other places, as good as the filter's
+  bool placed = false;       // it was told or has found where it may be, since the start
+  bool lost = true;          // search at the next scan
+  bool was_settled = false;  // until it was lost; no search has found another place since
+  bool settled = false;      // else there may be other places, as good as the filter's
   std::optional<double> searched_s, lost_since_s;
   Pose searched_odometry;
   std::size_t searches = 0;
@@ -80,10 +82,12 @@ struct Localizer::State {
 
 void Localizer::State::begin(bool is_lost, bool is_settled, const SearchPrior& known) {
   monitor.reset();
+  judge.forget();
   prior = known;
   placed = !is_lost;
   lost = is_lost;
   settled = is_settled;
+  was_settled = false;
   searched_s.reset();
   lost_since_s.reset();
   searches = 0;
@@ -102,16 +106,22 @@ bool Localizer::State::search_is_due(const Pose& odometry, double stamp_s) const
          turn_between(odometry, searched_odometry) >= config.search_every_rad;
 }
 
-std::vector<Hypothesis> Localizer::State::search_map(const Pose& odometry, const Scan& scan,
+/// Every place where this scan may have been taken, weighed by what is remembered, the most likely first.
+std::vector<Hypothesis> Localizer::State::search_map(const Pose& odometry, const BeamTable& beams,
                                                      LocalizerEstimate& out) {
   if (!search) search = std::make_unique<GlobalSearch>(filter.map(), config.search);
-  SearchResult result = search->search(filter.beams(scan), prior);
-  searched_s = scan.stamp_s;
-  searched_odometry = odometry;
+  std::vector<Hypothesis> found = search->search(beams, prior).hypotheses;
   ++searches;
   out.searched = true;
-  out.found = result.hypotheses.size();
-  return std::move(result.hypotheses);
+  out.found = found.size();
+  std::vector<Pose> places;
+  for (const Hypothesis& h : found) places.push_back(h.pose);
+  const std::vector<PlaceJudge::Verdict> verdicts = judge.judge(places, odometry, beams);
+  for (std::size_t k = 0; k < found.size(); ++k)
+    found[k].evidence = verdicts[k].evidence, found[k].weight = verdicts[k].share;
+  std::stable_sort(found.begin(), found.end(),
+                   [](const Hypothesis& a, const Hypothesis& b) { return a.weight > b.weight; });
+  return found;
 }
 
 /// What the filter stands for, moved to where the robot is by the odometry.
@@ -124,14 +134,15 @@ std::vector<Mode> Localizer::State::modes_at(const Pose& odometry) const {
 
 /// Puts the particles where the scan may have been taken. Leaves them where they are if it fits nowhere well:
 /// then it may be the scan that is bad. Some stay where they are in any case, if that was a place.
-void Localizer::State::look_everywhere(const Pose& odometry, const Scan& scan, LocalizerEstimate& out) {
-  const std::vector<Hypothesis> found = search_map(odometry, scan, out);
+void Localizer::State::look_everywhere(const Pose& odometry, const BeamTable& beams, LocalizerEstimate& out) {
+  std::vector<Hypothesis> found = search_map(odometry, beams, out);
   if (found.empty() || (placed && found[0].evidence < kFits)) return;
+  settled = found[0].weight >= kNoDoubt;
+  if (settled) found.resize(1);
   const double equal = 1.0 / static_cast<double>(found.size());
   std::vector<PoseGuess> guesses;
   for (const Hypothesis& h : found)
     guesses.push_back({h.pose, kFoundSigma_m, kFoundSigma_rad, std::max(h.weight, kLeastShare * equal)});
-  settled = found[0].weight >= kNoDoubt;
   if (placed && filter.odometry()) {
     for (const Mode& mode : modes_at(odometry)) {
       const auto again = [&](const Hypothesis& h) { return same_place(mode.pose, h.pose); };
@@ -141,6 +152,7 @@ void Localizer::State::look_everywhere(const Pose& odometry, const Scan& scan, L
     }
   }
   filter.relocate(guesses, odometry);
+  was_settled = false;
   monitor.reset();
   placed = true;
   lost = false;
@@ -148,11 +160,11 @@ void Localizer::State::look_everywhere(const Pose& odometry, const Scan& scan, L
 
 /// Whether another place explains this scan, too. If so, it gets its share of the particles; if not, and the
 /// filter has made up its mind, that is settled.
-void Localizer::State::look_for_others(const Pose& odometry, const Scan& scan, LocalizerEstimate& out) {
+void Localizer::State::look_for_others(const Pose& odometry, const BeamTable& beams, LocalizerEstimate& out) {
   const std::vector<Mode> modes = modes_at(odometry);
   std::vector<PoseGuess> others;
   double elsewhere = 0.0;
-  for (const Hypothesis& h : search_map(odometry, scan, out)) {
+  for (const Hypothesis& h : search_map(odometry, beams, out)) {
     const auto known = [&](const Mode& mode) { return same_place(mode.pose, h.pose); };
     if (h.weight < kNoMatter || std::any_of(modes.begin(), modes.end(), known)) continue;
     others.push_back({h.pose, kFoundSigma_m, kFoundSigma_rad, h.weight});
@@ -167,18 +179,49 @@ void Localizer::State::look_for_others(const Pose& odometry, const Scan& scan, L
   filter.relocate(others, odometry);
 }
 
-/// Health of the estimate, and the other places while there are some.
-void Localizer::State::judge(const Scan& scan, LocalizerEstimate& out) {
+/// Of several places, those that the walls speak against lose their particles, before the scan is weighed:
+/// the filter's model may see where the beams end only, and not what they went through.
+void Localizer::State::drop_refuted(const Pose& odometry, const BeamTable& beams) {
+  const std::vector<Mode> modes = modes_at(odometry);
+  if (modes.size() < 2 || beams.count == 0) return;
+  std::vector<Pose> places;
+  for (const Mode& mode : modes) places.push_back(mode.pose);
+  const std::vector<PlaceJudge::Verdict> verdicts = judge.judge(places, odometry, beams);
+  double best = 0.0;
+  for (const PlaceJudge::Verdict& v : verdicts) best = std::max(best, v.share);
+  std::vector<PoseGuess> left;
+  for (std::size_t k = 0; k < modes.size(); ++k)
+    if (verdicts[k].share >= kNoMatter * best)
+      left.push_back({modes[k].pose, kModeSigma_m, kModeSigma_rad, modes[k].weight});
+  if (left.size() < modes.size()) filter.relocate(left, odometry);
+}
+
+/// Before a scan is weighed: whether there are other places where the robot may be.
+void Localizer::State::settle(const Pose& odometry, const Scan& scan, LocalizerEstimate& out) {
+  const bool search_now = search_is_due(odometry, scan.stamp_s);
+  if (!search_now && (settled || lost || !filter.odometry())) return;
+  const BeamTable beams = filter.beams(scan);
+  if (!search_now) return drop_refuted(odometry, beams);
+  searched_s = scan.stamp_s;
+  searched_odometry = odometry;
+  lost ? look_everywhere(odometry, beams, out) : look_for_others(odometry, beams, out);
+}
+
+/// Health of the estimate, after a scan was weighed.
+void Localizer::State::watch(const Pose& odometry, double stamp_s, LocalizerEstimate& out) {
   const PoseEstimate& heaviest = out.filter.cluster;
-  const double fits = evidence.per_beam(filter.last_beams(), relative(heaviest.mean, T_map_grid));
-  last = monitor.update(scan.stamp_s, fits, heaviest.weight);
+  last = monitor.update(stamp_s, judge.evidence(filter.last_beams(), heaviest.mean), heaviest.weight);
+  const bool was_lost = lost;
   lost = last.state == HealthState::lost;
-  if (lost) settled = false;
+  if (lost && settled) settled = false, was_settled = true;
+  if (!lost && was_settled) settled = true, was_settled = false;  // some bad scans, and it fits again
   if (!lost) {
     lost_since_s.reset();
   } else if (!lost_since_s) {
-    lost_since_s = scan.stamp_s;
+    lost_since_s = stamp_s;
   }
+  if (settled || (lost && !was_lost)) judge.forget();  // it may have been put somewhere else
+  if (!settled) judge.remember(odometry, filter.last_beams());
   if (settled || !config.recover) return;
   last.probability *= kUnsettled;
   if (last.state == HealthState::tracking) last.state = HealthState::ambiguous;
@@ -224,10 +267,9 @@ LocalizerEstimate Localizer::step(const Pose& odometry, const Scan& scan) {
     out.health = s.last;
     return out;
   }
-  if (s.search_is_due(odometry, scan.stamp_s))
-    s.lost ? s.look_everywhere(odometry, scan, out) : s.look_for_others(odometry, scan, out);
+  s.settle(odometry, scan, out);
   out.filter = s.filter.step(odometry, scan);
-  if (out.filter.weighted) s.judge(scan, out);
+  if (out.filter.weighted) s.watch(odometry, scan.stamp_s, out);
   out.health = s.last;
   if (out.health.state == HealthState::ambiguous) out.modes = find_modes(s.filter.particles(), kLeastMode);
   return out;

@@ -7,7 +7,10 @@
 #include "common/filter/backend.h"
 #include "common/math/portable.h"
 #include "common/math/portable64.h"
+#include "common/model/beams.h"
+#include "common/search/hypotheses.h"
 #include "common/search/judge_pose.h"
+#include "common/search/search_backend.h"
 
 namespace parloc {
 namespace {
@@ -68,7 +71,7 @@ struct GlobalSearch::State {
         map(make_search_map(grid, c)),
         judge(grid, map),
         backend(choose_backend(map, c, why)) {
-    if (map.free_count == 0) throw Error(ErrorKind::input, name + ": the map has no free cell to search");
+    if (map.free_count == 0) throw Error(ErrorKind::input, name + ": the map has no free cell");
   }
 
   SearchTask task(const SearchPrior& prior) const;

@@ -7,15 +7,18 @@
 #include <string>
 #include <vector>
 
+#include "common/filter/config.h"
 #include "common/io/log.h"
 #include "common/map/grid_map.h"
 #include "common/math/pose.h"
-#include "common/model/beams.h"
-#include "common/search/hypotheses.h"
-#include "common/search/search_backend.h"
 #include "common/search/search_config.h"
 
 namespace parloc {
+
+struct BeamTable;
+struct LatticePose;
+struct SearchMap;
+struct SearchScan;
 
 /// One place where the scan may have been taken. Shares are of all beams, hits and misses.
 struct Hypothesis {

@@ -127,8 +127,12 @@ std::vector<std::uint8_t> pooled_free(const GridMap& map, const SearchMap& s) {
       if (map.cells[at] == Cell::free)
         ++count[static_cast<std::size_t>(j / s.pool) * static_cast<std::size_t>(s.shape.width) +
                 static_cast<std::size_t>(i / s.pool)];
+  // Half of it must be free. Where no cell has as much, any part will do: a map that a robot can be on can be
+  // searched.
+  const std::int32_t half = (s.pool * s.pool + 1) / 2, most = *std::max_element(count.begin(), count.end());
+  const std::int32_t enough = most >= half ? half : 1;
   std::vector<std::uint8_t> free(count.size());
-  for (std::size_t c = 0; c < free.size(); ++c) free[c] = 2 * count[c] >= s.pool * s.pool ? 1 : 0;
+  for (std::size_t c = 0; c < free.size(); ++c) free[c] = count[c] >= enough ? 1 : 0;
   return free;
 }
 

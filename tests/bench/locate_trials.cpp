@@ -25,6 +25,7 @@
 #include "common/math/philox.h"
 #include "common/math/portable64.h"
 #include "common/search/global_search.h"
+#include "common/search/search_map.h"
 
 namespace parloc {
 namespace {

@@ -92,7 +92,9 @@ struct Case {
   std::int64_t particles = 0;
   int beams = 0;
   int threads = 1;
-  int pieces = 0;  ///< 0: the hall as a grid; else of segments, each wall cut into as many.
+  int pieces = 0;                  ///< 0: the hall as a grid; else of segments, each wall cut into as many.
+  std::int64_t min_particles = 0;  ///< 0: their number is fixed.
+  KldConfig kld{};
   const Place& place() const { return pieces == 0 ? hall() : hall_of_segments(pieces); }
 };
 
@@ -105,6 +107,8 @@ class Rig {
     config.particles = c.particles;
     config.threads = c.threads;
     config.sensor = c.sensor;
+    config.min_particles = c.min_particles;
+    config.kld = c.kld;
     backend = make_backend(c.backend, config, why_);
     backend->set_map(place.map);
     ScanConfig scan_config;
@@ -121,6 +125,7 @@ class Rig {
     weighed = backend->download();
     backend->normalise_scan();
     backend->estimate();
+    backend->adapt(next_key(), false);
     backend->resample(next_key());
     last = backend->finish();
   }
@@ -221,6 +226,20 @@ void estimate(benchmark::State& state, const Case& c) {
       state, [] {}, [&] { rig.backend->estimate(); });
 }
 
+/// How many particles the next set gets; with the weights of a scan in tracking, which ask for a new one.
+void adapt(benchmark::State& state, const Case& c) {
+  Rig rig(c);
+  if (rig.last.resample == 0) return state.SkipWithError("the weights do not ask for resampling");
+  rig.measure(
+      state,
+      [&] {
+        rig.backend->upload(rig.weighed);
+        rig.backend->normalise_scan();
+      },
+      [&] { rig.backend->adapt(rig.next_key(), false); });
+  state.counters["chosen"] = rig.last.next_count;
+}
+
 /// The weights of a scan in tracking, of which N_eff is low: particles are drawn in every iteration.
 void resample(benchmark::State& state, const Case& c) {
   Rig rig(c);
@@ -297,6 +316,16 @@ void add_sensor_stages(Case c, SensorModel model, RayCaster caster) {
   }
 }
 
+/// `tracking`: as a filter does it, few bins. `most`: bins so small that hardly two candidates share one, and
+/// as many are drawn as there can be.
+void add_adapt(Case c, Size size) {
+  c.min_particles = 100;
+  add("adapt/tracking", adapt, c, size);
+  c.kld.bin_size_xy = 0.001;
+  c.kld.bin_size_theta = 0.001;
+  add("adapt/most", adapt, c, size);
+}
+
 void add_backend(BackendChoice backend, int threads) {
   Case c;
   c.backend = backend;
@@ -307,6 +336,7 @@ void add_backend(BackendChoice backend, int threads) {
     add("normalise_scan", normalise_scan, c, size);
     add("estimate", estimate, c, size);
     add("resample", resample, c, size);
+    add_adapt(c, size);
   }
   for (const SensorModel model : {SensorModel::gaussian, SensorModel::beam})
     for (const RayCaster caster : {RayCaster::skip, RayCaster::dda, RayCaster::fixed_step})

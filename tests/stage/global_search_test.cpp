@@ -11,7 +11,10 @@
 
 #include "common/error.h"
 #include "common/math/portable64.h"
+#include "common/model/beams.h"
 #include "common/search/global_search.h"
+#include "common/search/hypotheses.h"
+#include "common/search/search_backend.h"
 #include "cpu/simd.h"
 
 namespace parloc {

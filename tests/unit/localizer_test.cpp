@@ -184,6 +184,29 @@ TEST(Localizer, ScansWithoutBeamsAreNoPlace) {
   EXPECT_LT(error_m(said.back(), log.truth.back().pose), 0.3);
 }
 
+// Something stands around the robot for less than a second: it is lost, and when it sees the walls again it
+// is where it was, without a search and without a doubt.
+TEST(Localizer, SomeBadScansPassByThemselves) {
+  const GridMap map = test::two_rooms();
+  TrialLog log = drive(map, TrialTask::track, 6.0, 7);
+  std::size_t scans = 0;
+  for (LogRecord& r : log.records) {
+    if (r.kind != RecordKind::scan) continue;
+    if (++scans > 10 && scans <= 14)
+      for (std::size_t k = 0; k < r.scan.ranges_m.size(); ++k)
+        r.scan.ranges_m[k] = k % 2 == 0 ? 5.9f : 4.5f;  // through most walls
+  }
+  Localizer localizer(small_localizer(), map);
+  localizer.start_at(log.truth.front().pose, 0.1, 0.1, 0.05);
+  const auto said = feed(localizer, log.records);
+  EXPECT_EQ(said[13].health.state, HealthState::lost);
+  EXPECT_EQ(localizer.searches(), 0u);
+  for (std::size_t k = 17; k < said.size(); ++k) {
+    EXPECT_EQ(said[k].health.state, HealthState::tracking) << "scan " << k;
+    EXPECT_LT(error_m(said[k], log.truth[k].pose), 0.3);
+  }
+}
+
 TEST(Localizer, AMapWithoutWallsHasNoPlace) {
   const GridMap empty = grid_from_text(std::vector<std::string>(90, std::string(140, '.')), 0.1);
   const TrialLog log = drive(test::two_rooms(), TrialTask::global, 1.0, 1);

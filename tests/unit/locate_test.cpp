@@ -10,6 +10,8 @@
 #include "common/map/map_reader.h"
 #include "common/math/portable64.h"
 #include "common/search/global_search.h"
+#include "common/search/hypotheses.h"
+#include "common/search/search_map.h"
 
 namespace parloc {
 namespace {
@@ -134,6 +136,20 @@ TEST(Locate, FineMapsArePooled) {
   const SearchResult r = search.search(simulated_scan(fine, truth, 2 * kPi, 8.0), ScanConfig{});
   ASSERT_FALSE(r.hypotheses.empty());
   expect_near(r.hypotheses[0].pose, truth, 0.07, 0.01);
+}
+
+// Free space so thin that no cell of the search is half free: it is searched all the same.
+TEST(Locate, AFineMapWithLittleFreeSpaceIsSearched) {
+  std::vector<std::string> rows(40, "#" + std::string(38, '?') + "#");
+  rows.front() = rows.back() = std::string(40, '#');
+  rows[20][20] = '.';  // of 25 parts of its cell
+  const GridMap map = grid_from_text(rows, 0.01);
+  GlobalSearch search(map, on_cpu());
+  EXPECT_EQ(search.map().free_count, 1u);
+  const Pose truth{0.205, 0.195, 0.0};
+  const SearchResult r = search.search(simulated_scan(map, truth, 2 * kPi, 8.0), ScanConfig{});
+  ASSERT_FALSE(r.hypotheses.empty());
+  EXPECT_LT(std::hypot(r.hypotheses[0].pose.x_m - truth.x_m, r.hypotheses[0].pose.y_m - truth.y_m), 0.07);
 }
 
 TEST(Locate, WallsThatAreSegments) {

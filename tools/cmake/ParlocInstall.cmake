@@ -24,6 +24,7 @@ set(PARLOC_PUBLIC_HEADERS
   map/segment_map.h
   math/pose.h
   model/beam_counts.h
+  search/global_search.h
   search/search_config.h
   parloc.h)
 set(_parloc_include_dir ${PROJECT_BINARY_DIR}/include)

@@ -1,4 +1,5 @@
-// The library example of README.md, as a test: a made-up room, a made-up scan, and the pose that explains it.
+// The library examples of README.md and docs/localize.md, as a test: a made-up room, a made-up scan, and the
+// pose that explains it, with a start pose, without one, and from one scan alone.
 #include <parloc/parloc.h>
 
 #include <cmath>
@@ -36,35 +37,71 @@ parloc::Scan look_around(const parloc::GridMap& map, const parloc::Pose& pose) {
   return scan;
 }
 
+const parloc::Pose kTruth{5.3, 1.7, 0.4};
+
+// Half a cell and a degree: a wrong frame, sign or unit is off by far more.
+bool is_near(const char* what, const parloc::Pose& pose, const parloc::Pose& truth) {
+  const double error_m = std::hypot(pose.x_m - truth.x_m, pose.y_m - truth.y_m);
+  const double error_rad = std::abs(std::remainder(pose.theta_rad - truth.theta_rad, 2 * kPi));
+  std::printf("%s: %.3f m and %.2f degrees off\n", what, error_m, error_rad * 180 / kPi);
+  return error_m < 0.05 && error_rad < 0.0175;
+}
+
+// The wheels say that the robot creeps forward; each time the scan says where it is.
+parloc::Pose creep(int step) {
+  return {0.05 * step, 0.0, 0.0};
+}
+
+bool follows(const parloc::FilterConfig& config, const parloc::GridMap& map) {
+  parloc::ParticleFilter filter(config, map);
+  filter.start_at({5.5, 1.5, 0.3}, 0.3, 0.3, 0.2);
+  parloc::Estimate estimate;
+  parloc::Pose here;
+  for (int step = 0; step < 20; ++step) {
+    here = parloc::compose(kTruth, creep(step));
+    estimate = filter.step(creep(step), look_around(map, here));
+  }
+  return is_near(filter.backend_name().c_str(), estimate.pose, here) && !estimate.lost;
+}
+
+bool finds_itself(const parloc::FilterConfig& config, const parloc::GridMap& map) {
+  parloc::Localizer localizer(parloc::localizer_config(config), map);
+  localizer.start_anywhere();
+  parloc::LocalizerEstimate estimate;
+  parloc::Pose here;
+  for (int step = 0; step < 20; ++step) {
+    here = parloc::compose(kTruth, creep(step));
+    parloc::Scan scan = look_around(map, here);
+    scan.stamp_s = 0.2 * step;
+    estimate = localizer.step(creep(step), scan);
+  }
+  return is_near("found", estimate.filter.pose, here) &&
+         estimate.health.state == parloc::HealthState::tracking;
+}
+
+// One scan is worth a cell and two degrees.
+bool is_located(const parloc::FilterConfig& config, const parloc::GridMap& map) {
+  parloc::SearchConfig search_config = config.search;
+  search_config.backend = config.backend;
+  parloc::GlobalSearch search(map, search_config);
+  const parloc::SearchResult result = search.search(look_around(map, kTruth), config.scan);
+  if (result.hypotheses.empty() || result.ambiguous) return false;
+  const parloc::Pose& best = result.hypotheses[0].pose;
+  std::printf("located: (%.2f, %.2f, %.2f)\n", best.x_m, best.y_m, best.theta_rad);
+  return std::hypot(best.x_m - kTruth.x_m, best.y_m - kTruth.y_m) < 0.1 &&
+         std::abs(best.theta_rad - kTruth.theta_rad) < 0.035;
+}
+
 }  // namespace
 
 int main() try {
   const parloc::GridMap map = room();
-  const parloc::Pose truth{5.3, 1.7, 0.4};
-
   parloc::FilterConfig config;  // every setting has a default
   config.backend = parloc::BackendChoice::cpu;
   config.particles = 2000;
   config.sensor.tempering = 0.3;  // the scan is clean: trust it more than a real one
-  parloc::ParticleFilter filter(config, map);
-  filter.start_at({5.5, 1.5, 0.3}, 0.3, 0.3, 0.2);
-
-  // The wheels say that the robot creeps forward; each time the scan says where it is.
-  parloc::Pose odometry;
-  parloc::Estimate estimate;
-  parloc::Pose here = truth;
-  for (int step = 0; step < 20; ++step) {
-    odometry.x_m = 0.05 * step;
-    here = parloc::compose(truth, odometry);
-    estimate = filter.step(odometry, look_around(map, here));
-  }
-
-  const double error_m = std::hypot(estimate.pose.x_m - here.x_m, estimate.pose.y_m - here.y_m);
-  const double error_rad = std::abs(std::remainder(estimate.pose.theta_rad - here.theta_rad, 2 * kPi));
-  std::printf("parloc, %s: %.3f m and %.2f degrees off\n", filter.backend_name().c_str(), error_m,
-              error_rad * 180 / kPi);
-  // Half a cell and a degree: a wrong frame, sign or unit is off by far more.
-  return error_m < 0.05 && error_rad < 0.0175 && !estimate.lost ? 0 : 1;
+  const bool all = follows(config, map) && finds_itself(config, map) && is_located(config, map);
+  return all ? 0 : 1;
 } catch (const parloc::Error& error) {
   std::fprintf(stderr, "%s\n", error.what());
   return static_cast<int>(error.kind());

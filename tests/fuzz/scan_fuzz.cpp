@@ -1,0 +1,56 @@
+// Any text is a scan file whose values can be computed with, or an Error{input} of one line; and where it was
+// taken can be searched for.
+#include <cmath>
+#include <cstddef>
+#include <cstdint>
+#include <cstdlib>
+#include <string>
+
+#include "common/error.h"
+#include "common/io/scan_file.h"
+#include "common/search/global_search.h"
+
+namespace {
+
+void require(bool holds) {
+  if (!holds) std::abort();
+}
+
+parloc::GlobalSearch small_search() {
+  parloc::SearchConfig config;
+  config.backend = parloc::BackendChoice::cpu;
+  config.threads = 1;
+  config.beams = 16, config.max_headings = 72, config.candidates = 4, config.most = 4;
+  return parloc::GlobalSearch(
+      parloc::grid_from_text(
+          {"##########", "#........#", "#......###", "###..##..#", "#........#", "##########"}, 0.25),
+      config);
+}
+
+void search(const parloc::Scan& scan) {
+  static parloc::GlobalSearch search = small_search();
+  for (const parloc::Hypothesis& h : search.search(scan, parloc::ScanConfig{}).hypotheses) {
+    require(std::isfinite(h.pose.x_m) && std::isfinite(h.pose.y_m) && std::fabs(h.pose.theta_rad) < 3.2);
+    require(std::isfinite(h.evidence) && h.score >= 0.0 && h.score <= 1.0);
+    require(h.weight >= 0.0 && h.weight <= 1.0 && h.explained + h.through + h.unmapped < 1.001);
+  }
+}
+
+}  // namespace
+
+extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
+  try {
+    const parloc::Scan scan =
+        parloc::scan_from_text(std::string(reinterpret_cast<const char*>(data), size), "fuzz");
+    require(!scan.ranges_m.empty() && scan.ranges_m.size() <= size);
+    require(std::isfinite(scan.T_base_sensor.x_m) && std::isfinite(scan.T_base_sensor.y_m) &&
+            std::fabs(scan.T_base_sensor.theta_rad) < 3.2);
+    require(std::isfinite(scan.stamp_s) && std::fabs(scan.angle_min_rad) < 13.0 &&
+            std::fabs(scan.angle_step_rad) < 6.3);
+    search(scan);
+  } catch (const parloc::Error& e) {
+    require(e.kind() == parloc::ErrorKind::input);
+    require(std::string(e.what()).find('\n') == std::string::npos);
+  }
+  return 0;
+}
