@@ -1,0 +1,99 @@
+// Same seed, same answer, for the filters on the distance field: whole runs on a real log have pinned digests
+// at any thread count and with any instruction set (docs/determinism.md).
+#include <gtest/gtest.h>
+
+#include <ostream>
+
+#include "common/eval/metrics.h"
+#include "common/filter/pose_filter.h"
+#include "common/map/map_reader.h"
+#include "cpu/simd.h"
+
+namespace parloc {
+namespace {
+
+const std::string kMaps = std::string(PARLOC_SOURCE_DIR) + "/maps/";
+
+/// Every setting that these filters read is written out: a changed default must not change a golden digest.
+FilterConfig fixed_config() {
+  FilterConfig c;
+  c.particles = 60;
+  c.seed = 42;
+  c.backend = BackendChoice::cpu;
+  c.motion = {.form = MotionForm::seed,
+              .alpha1 = 0.2,
+              .alpha2 = 0.1,
+              .alpha3 = 0.2,
+              .alpha4 = 0.1,
+              .sigma_rot_min_rad = 0.001,
+              .sigma_trans_min_m = 0.002,
+              .min_translation_m = 0.01,
+              .symmetric = true,
+              .max_jump_m = 1.0};
+  c.scan.min_beams = 5, c.scan.laser_min_range = 0.1, c.scan.laser_max_range = 40.0;
+  c.resample = {.scheme = ResampleScheme::systematic, .threshold = 0.5};
+  c.flow = {.max_beams = 120,
+            .steps = 6,
+            .integrator = FlowIntegrator::automatic,
+            .schedule = FlowSchedule::uniform,
+            .ratio = 1.2,
+            .prior = FlowPrior::recentred,
+            .interpolation = FieldInterpolation::bilinear,
+            .max_dist = 1.0,
+            .sigma_range = 0.01,
+            .sigma_psi_cells = 0.4,
+            .gate = FlowGate::off,
+            .gate_nis = 8.8,
+            .z_score = 0.0,
+            .map_sigma_cells = 2.0,
+            .beta = 0.02,
+            .iterations = 3,
+            .pfpf_sigma_xy = 0.005,
+            .pfpf_sigma_theta = 0.005};
+  return c;
+}
+
+struct Golden {
+  const char* name;
+  const char* digest;
+};
+
+void PrintTo(const Golden& g, std::ostream* out) {
+  *out << g.name;
+}
+
+class FlowDigest : public testing::TestWithParam<Golden> {};
+
+TEST_P(FlowDigest, OfARealLogIsPinned) {
+  const GridMap map = read_map(kMaps + "malaga_corridor.yaml");
+  for (const cpu::Simd most : {cpu::Simd::baseline, cpu::Simd::avx2, cpu::Simd::avx512}) {
+    cpu::limit_simd(most);
+    for (const int threads : {1, 2, 4}) {
+      FilterConfig c = fixed_config();
+      c.threads = threads;
+      const auto filter = make_pose_filter(GetParam().name, c, map);
+      filter->start_at({3.453, -10.171, -0.485}, 0.2, 0.2, 0.1);
+      const auto log = open_carmen_log(kMaps + "logs/malaga_corridor.log.gz");
+      Trajectory track;
+      for (LogRecord r; log->next(r);)
+        if (r.kind == RecordKind::scan) track.push_back({r.stamp_s, filter->step(r.odometry, r.scan).pose});
+      EXPECT_EQ(filter->digest(), GetParam().digest) << filter->backend_name();
+      EXPECT_EQ(filter->steps(), 37u);
+      // Worth pinning only if it kept track; odometry alone ends 1.7 m off.
+      const TrackErrors e = compare_tracks(track, read_tum(kMaps + "logs/malaga_corridor.tum"));
+      EXPECT_LT(e.position_max_m, 1.0);
+    }
+  }
+  cpu::limit_simd(cpu::Simd::avx512);
+}
+
+// They change with any change of the arithmetic of a step, its order included; see
+// tests/system/digest_test.cpp for how to renew them.
+INSTANTIATE_TEST_SUITE_P(All, FlowDigest,
+                         testing::Values(Golden{"ekf", "0"}, Golden{"ekf_beams", "0"}, Golden{"edh", "0"},
+                                         Golden{"naedh", "0"}, Golden{"ledh", "0"}, Golden{"gromov", "0"},
+                                         Golden{"pfpf", "0"}),
+                         [](const auto& one) { return std::string(one.param.name); });
+
+}  // namespace
+}  // namespace parloc

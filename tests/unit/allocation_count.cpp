@@ -1,0 +1,28 @@
+// Apart from the tests, or the compiler would see through new and delete and warn that they do not match.
+#include "tests/unit/allocation_count.h"
+
+#include <atomic>
+#include <cstdlib>
+#include <new>
+
+namespace {
+std::atomic<std::size_t> count{0};
+}
+
+void* operator new(std::size_t size) {
+  ++count;
+  if (void* p = std::malloc(size > 0 ? size : 1)) return p;
+  throw std::bad_alloc();
+}
+void operator delete(void* p) noexcept {
+  std::free(p);
+}
+void operator delete(void* p, std::size_t) noexcept {
+  std::free(p);
+}
+
+namespace parloc::test {
+std::size_t allocations() {
+  return count;
+}
+}  // namespace parloc::test
