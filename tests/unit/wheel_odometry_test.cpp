@@ -92,7 +92,7 @@ TEST(WheelOdometry, WithoutErrorItIsTheTruth) {
   s.odometry.kappa_m = 0.0;
   const SimulatedLog log = simulate(s, corridor());
   const Pose start = log.truth.front().pose, end = log.truth.back().pose;
-  const Pose expected = relative(end, start), got = log.records.back().odometry;
+  const Pose expected = relative(end, start), got = scans_of(log).back().odometry;
   // Where a turn ends within a step, mid-point integration drives a hair's breadth off.
   EXPECT_NEAR(got.x_m, expected.x_m, 1e-3);
   EXPECT_NEAR(got.y_m, expected.y_m, 1e-3);
