@@ -8,7 +8,13 @@ std::size_t ScanIntake::lidar_of(const Scan& scan) {
   for (std::size_t k = 0; k < used_.size(); ++k)
     if (used_[k].name == scan.sensor) return k;
   used_.emplace_back().name = scan.sensor;
+  directions_.emplace_back();
   return used_.size() - 1;
+}
+
+void ScanIntake::clear() {
+  used_.clear();
+  directions_.clear();
 }
 
 bool ScanIntake::take(const Scan& scan, std::size_t lidar, const ScanConfig& config,
@@ -18,7 +24,8 @@ bool ScanIntake::take(const Scan& scan, std::size_t lidar, const ScanConfig& con
   const LidarSetup setup = lidar_setup(scan, config, find_lidar(lidars, scan.sensor));
   const bool moving = takes_time(scan, setup);
   const bool deskew = moving && track.knows_motion();
-  select_beams(scan, setup, deskew ? &track : nullptr, sensor, resolution_m, beams, use.beams);
+  select_beams(scan, setup, deskew ? &track : nullptr, sensor, resolution_m, beams, use.beams,
+               &directions_[lidar]);
   const bool enough = beams.count >= static_cast<std::size_t>(config.min_beams);
 
   const std::size_t size = scan.ranges_m.size();

@@ -19,12 +19,13 @@ class ScanIntake {
   bool take(const Scan& scan, std::size_t lidar, const ScanConfig& config,
             const std::vector<LidarConfig>& lidars, const SensorConfig& sensor, const OdometryTrack& track,
             double resolution_m, BeamTable& beams);
-  void clear() { used_.clear(); }
+  void clear();
   const std::vector<LidarUse>& used() const { return used_; }
   BeamCounts total() const;
 
  private:
   std::vector<LidarUse> used_;
+  std::vector<BeamDirections> directions_;  // of each
 };
 
 }  // namespace parloc

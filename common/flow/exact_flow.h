@@ -61,9 +61,11 @@ PARLOC_HD Vector3 flowed(const Vector3& e, const FlowStep& f, const Vector3& k, 
   return plus(e, f.shift - f.pull * dot(h, e), k);
 }
 
-/// log |det| of a step's map.
+/// log |det| of a step's map, which is above 0 but for rounding.
 PARLOC_HD double log_determinant(const FlowStep& f, double s) {
-  return portable_log64(1.0 - f.pull * s);
+  constexpr double kLeast = 1e-16;
+  const double determinant = 1.0 - f.pull * s;
+  return portable_log64(determinant > kLeast ? determinant : kLeast);
 }
 
 /// Where the steps end, in [0, 1].

@@ -9,6 +9,7 @@
 #include "common/filter/scan_intake.h"
 #include "common/filter/start.h"
 #include "common/flow/flow_backend.h"
+#include "common/flow/mean_update.h"
 #include "common/io/config.h"
 #include "common/math/sha256.h"
 
@@ -50,17 +51,21 @@ PoseGaussian start_gaussian(const GridMap& map, const Pose& pose, double sx, dou
   return g;
 }
 
+/// The filter's Gaussian, about the particles' mean if there are any.
 PoseEstimate estimate_of(const FlowState& s, FlowMethod method, const Pose& T_map_grid) {
-  if (!is_kalman(method)) {
-    PoseEstimate e = in_map_frame(s.cloud, T_map_grid);
-    e.weight = 1.0;
-    return e;
-  }
   PoseEstimate e;
-  const Vector3& m = s.posterior.mean;
-  e.mean = compose(T_map_grid, {m[0], m[1], m[2]});
+  const Vector3 mean = is_kalman(method) ? s.posterior.mean : mean_of(s.cloud);
+  e.mean = compose(T_map_grid, {mean[0], mean[1], mean[2]});
   e.covariance = turned(covariance_of(s.posterior.covariance), T_map_grid.theta_rad);
-  e.weight = e.heading_resultant = 1.0;
+  e.weight = 1.0;
+  e.heading_resultant = is_kalman(method) ? 1.0 : s.cloud.resultant;
+  return e;
+}
+
+/// What the particles alone say.
+PoseEstimate cloud_of(const FlowState& s, const Pose& T_map_grid) {
+  PoseEstimate e = in_map_frame(s.cloud, T_map_grid);
+  e.weight = 1.0;
   return e;
 }
 
@@ -101,7 +106,8 @@ MotionStep FlowFilter::State::motion(const Pose& now) {
 
 Estimate FlowFilter::State::to_estimate(const FlowState& s) const {
   Estimate e;
-  e.mean = e.cluster = estimate_of(s, method, map.T_map_grid);
+  e.mean = estimate_of(s, method, map.T_map_grid);
+  e.cluster = is_kalman(method) ? e.mean : cloud_of(s, map.T_map_grid);
   e.pose = e.mean.mean;
   e.covariance = e.mean.covariance;
   e.ambiguous_heading = e.mean.heading_resultant < 1e-3;

@@ -23,6 +23,7 @@ class FlowFilter final : public PoseFilter {
   void start_at(const Pose& pose_in_map, double sigma_x_m, double sigma_y_m, double sigma_theta_rad) override;
   void set_seed(std::uint64_t seed) override;
   void add_odometry(double stamp_s, const Pose& odometry) override;
+  /// Estimate::mean has the filter's covariance (flow.prior), Estimate::cluster that of the particles.
   /// Non-finite odometry is skipped and counted. Throws Error{input} for a scan whose arrays do not fit
   /// together.
   Estimate step(const Pose& odometry, const Scan& scan) override;

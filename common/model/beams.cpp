@@ -79,11 +79,17 @@ struct PlacedBeam {
   double end_y_m(double range_m) const { return y_m + range_m * direction.sin; }
 };
 
-PlacedBeam place_beam(const Scan& scan, const LidarSetup& setup, const OdometryTrack* track, std::size_t i) {
+SinCos64 direction_at_rest(const Scan& scan, const LidarSetup& setup, std::size_t i) {
+  return portable_sincos64(wrap64(setup.T_base_sensor.theta_rad + beam_bearing_rad(scan, setup, i)));
+}
+
+PlacedBeam place_beam(const Scan& scan, const LidarSetup& setup, const OdometryTrack* track, std::size_t i,
+                      BeamDirections* directions = nullptr) {
   const Pose& sensor = setup.T_base_sensor;
-  const double bearing_rad = beam_bearing_rad(scan, setup, i);
   if (track == nullptr)
-    return {sensor.x_m, sensor.y_m, portable_sincos64(wrap64(sensor.theta_rad + bearing_rad))};
+    return {sensor.x_m, sensor.y_m,
+            directions != nullptr ? directions->of(scan, setup, i) : direction_at_rest(scan, setup, i)};
+  const double bearing_rad = beam_bearing_rad(scan, setup, i);
   const Pose moved = track->motion(scan.stamp_s, scan.stamp_s + beam_time_s(scan, setup, i));
   const SinCos64 r = portable_sincos64(moved.theta_rad);
   return {moved.x_m + r.cos * sensor.x_m - r.sin * sensor.y_m,
@@ -113,6 +119,30 @@ void clear(BeamTable& t) {
 
 }  // namespace
 
+namespace {
+constexpr SinCos64 kNotAskedFor{2.0, 2.0};
+}
+
+void BeamDirections::expect(const Scan& scan, const LidarSetup& setup) {
+  const Pose &known = T_base_sensor_, &now = setup.T_base_sensor;
+  const bool same = known.x_m == now.x_m && known.y_m == now.y_m && known.theta_rad == now.theta_rad &&
+                    upside_down_ == setup.upside_down && angle_min_rad_ == scan.angle_min_rad &&
+                    angle_step_rad_ == scan.angle_step_rad && direction_.size() == scan.ranges_m.size();
+  const bool were_even = even_;
+  even_ = scan.bearings_rad.empty();
+  if (same && even_ && were_even) return;
+  T_base_sensor_ = now;
+  upside_down_ = setup.upside_down;
+  angle_min_rad_ = scan.angle_min_rad, angle_step_rad_ = scan.angle_step_rad;
+  direction_.assign(scan.ranges_m.size(), kNotAskedFor);
+}
+
+const SinCos64& BeamDirections::of(const Scan& scan, const LidarSetup& setup, std::size_t i) {
+  SinCos64& d = direction_[i];
+  if (d.cos == kNotAskedFor.cos) d = direction_at_rest(scan, setup, i);
+  return d;
+}
+
 // Distances rounded up a little, for they are bounds.
 void measure_origins(BeamTable& t) {
   t.first_origin_x = t.count > 0 ? t.origin_x[0] : 0.0f;
@@ -128,8 +158,10 @@ void measure_origins(BeamTable& t) {
 }
 
 void select_beams(const Scan& scan, const LidarSetup& setup, const OdometryTrack* track,
-                  const SensorConfig& sensor, double resolution_m, BeamTable& table, BeamCounts& counts) {
+                  const SensorConfig& sensor, double resolution_m, BeamTable& table, BeamCounts& counts,
+                  BeamDirections* directions) {
   clear(table);
+  if (directions != nullptr) directions->expect(scan, setup);
   table.range_max_m = static_cast<float>(setup.range_max_m);
   const double inv_resolution = 1.0 / resolution_m;
   counts.total += scan.ranges_m.size();
@@ -142,7 +174,7 @@ void select_beams(const Scan& scan, const LidarSetup& setup, const OdometryTrack
     std::size_t i = 0;
     while (chosen.next(i)) {
       if (classify(scan.ranges_m[i], setup, c) != pass) continue;
-      append_beam(table, place_beam(scan, setup, track, i),
+      append_beam(table, place_beam(scan, setup, track, i, directions),
                   pass == BeamClass::hit ? scan.ranges_m[i] : table.range_max_m, sensor, inv_resolution);
     }
     c.considered += chosen.taken();

@@ -65,15 +65,18 @@ void step(benchmark::State& state, const std::string& name, BackendChoice backen
   state.SetLabel(filter->backend_name());
 }
 
-/// What the host does before any of it.
-void beams(benchmark::State& state) {
+/// What the host does before any of it, with the directions of the beams remembered or not.
+void beams(benchmark::State& state, bool remembered) {
   const Place& place = hall();
   ScanConfig config;
   config.max_beams = 360;
   BeamTable table;
   BeamCounts counts;
+  BeamDirections directions;
+  const LidarSetup setup = lidar_setup(place.scan, config);
   for (auto _ : state) {
-    select_beams(place.scan, config, SensorConfig{}, place.map.resolution_m, table, counts);
+    select_beams(place.scan, setup, nullptr, SensorConfig{}, place.map.resolution_m, table, counts,
+                 remembered ? &directions : nullptr);
     benchmark::DoNotOptimize(table.end_x.data());
   }
 }
@@ -113,7 +116,11 @@ bool cuda_answers() {
 int main(int argc, char** argv) {
   benchmark::Initialize(&argc, argv);
   if (benchmark::ReportUnrecognizedArguments(argc, argv)) return 2;
-  benchmark::RegisterBenchmark("beams", beams)->UseRealTime()->Unit(benchmark::kMicrosecond);
+  for (const bool remembered : {false, true})
+    benchmark::RegisterBenchmark(remembered ? "beams/remembered" : "beams",
+                                 [=](benchmark::State& state) { beams(state, remembered); })
+        ->UseRealTime()
+        ->Unit(benchmark::kMicrosecond);
   for (const int threads : {1, 2}) add_backend(BackendChoice::cpu, threads);
   if (cuda_answers()) add_backend(BackendChoice::cuda, 1);
   benchmark::RunSpecifiedBenchmarks();

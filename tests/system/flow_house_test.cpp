@@ -6,6 +6,7 @@
 #include <cstdio>
 #include <ostream>
 
+#include "common/eval/consistency.h"
 #include "common/eval/metrics.h"
 #include "common/filter/pose_filter.h"
 #include "common/map/map_reader.h"
@@ -17,6 +18,7 @@ namespace {
 struct Bar {
   const char* name;
   double rmse_m, heading_rmse_rad;
+  double nees = 4.0;  ///< Ideal: 3.
 };
 
 void PrintTo(const Bar& bar, std::ostream* out) {
@@ -44,25 +46,34 @@ TEST_P(FlowHouse, IsLocalizedWithinTheBars) {
       make_pose_filter(GetParam().name, config, read_map(test::real_data(folder + "map_05.yaml")));
   const auto log = open_carmen_log(test::real_data(folder + "scans.log"));
   Trajectory track;
+  std::vector<StampedCovariance> own, cloud;
   for (LogRecord r; log->next(r);) {
     if (r.kind != RecordKind::scan || r.stamp_s < truth.front().stamp_s) continue;
     if (track.empty()) filter->start_at(interpolated(truth, r.stamp_s), 0.1, 0.1, 0.05);
-    track.push_back({r.stamp_s, filter->step(r.odometry, r.scan).pose});
+    const Estimate e = filter->step(r.odometry, r.scan);
+    track.push_back({r.stamp_s, e.pose});
+    own.push_back({r.stamp_s, e.covariance});
+    cloud.push_back({r.stamp_s, e.cluster.covariance});
     EXPECT_EQ(filter->why_skipped(), "");
   }
   const TrackErrors e = compare_tracks(track, truth);
-  std::printf("%s: %zu scans, RMSE %.4f m, MAE %.4f m, max %.3f m, heading RMSE %.4f rad\n", GetParam().name,
-              e.compared, e.position_rmse_m, e.position_mae_m, e.position_max_m, e.heading_rmse_rad);
+  const double nees = check_consistency(e, own).nees_mean, of_cloud = check_consistency(e, cloud).nees_mean;
+  std::printf(
+      "%s: %zu scans, RMSE %.4f m, MAE %.4f m, max %.3f m, heading RMSE %.4f rad, NEES %.2f (of the "
+      "particles %.2f)\n",
+      GetParam().name, e.compared, e.position_rmse_m, e.position_mae_m, e.position_max_m, e.heading_rmse_rad,
+      nees, of_cloud);
   EXPECT_GT(e.compared, 500u);
   EXPECT_LE(e.position_rmse_m, GetParam().rmse_m);
   EXPECT_LE(e.heading_rmse_rad, GetParam().heading_rmse_rad);
+  EXPECT_LE(nees, GetParam().nees);
 }
 
 INSTANTIATE_TEST_SUITE_P(All, FlowHouse,
                          testing::Values(Bar{"ekf", 0.035, 0.026}, Bar{"ekf_beams", 0.035, 0.026},
                                          Bar{"edh", 0.025, 0.022}, Bar{"naedh", 0.025, 0.022},
                                          Bar{"ledh", 0.025, 0.022}, Bar{"gromov", 0.025, 0.022},
-                                         Bar{"pfpf", 0.035, 0.024}),
+                                         Bar{"pfpf", 0.035, 0.024, 6.0}),
                          [](const auto& one) { return std::string(one.param.name); });
 
 }  // namespace

@@ -10,7 +10,7 @@ libm=$("${CXX:-c++}" -print-file-name=libm.so.6)
 symbols_of_libm=$(nm -D --defined-only "$libm" | awk '{print $3}' | sed 's/@.*//' | sort -u)
 
 objects=$build/CMakeFiles/parloc.dir
-mapfile -t step_path < <(find "$objects"/common/math "$objects"/common/model "$objects"/common/filter "$objects"/cpu \
+mapfile -t step_path < <(find "$objects"/common/math "$objects"/common/model "$objects"/common/filter "$objects"/common/flow "$objects"/cpu \
   -name '*.o' | sort)
 (( ${#step_path[@]} > 0 )) || { echo "no object files under $objects: build first"; exit 1; }
 

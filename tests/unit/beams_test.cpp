@@ -278,6 +278,46 @@ TEST(Mounting, WhatIsConfiguredComesBeforeTheLog) {
 
 // ---- when each beam was taken ----------------------------------------------------------------------------
 
+// A LiDAR whose geometry changes between scans, and one that moves while it scans, in between.
+TEST(Mounting, DirectionsAreRememberedOnlyAsLongAsNothingChanges) {
+  LidarConfig turned, mirrored;
+  turned.yaw = 0.7;
+  mirrored.upside_down = true;
+  OdometryTrack track(1.0);
+  for (int k = 0; k < 6; ++k) track.add(99.9 + 0.05 * k, {0.02 * k, 0.0, 0.01 * k});
+  Scan uneven = fan(40);
+  for (int i = 0; i < 40; ++i) uneven.bearings_rad.push_back(0.001 * i * i);
+  Scan less_uneven = uneven;
+  less_uneven.bearings_rad[20] += 0.01;
+  struct Turn {
+    Scan scan;
+    const LidarConfig* lidar;
+    const OdometryTrack* track;
+  };
+  const Turn turns[] = {{fan(40), nullptr, nullptr},
+                        {fan(40), nullptr, nullptr},
+                        {fan(40), &turned, nullptr},
+                        {fan(40), &mirrored, nullptr},
+                        {fan(41), nullptr, nullptr},
+                        {fan(41, -1.9), nullptr, nullptr},
+                        {fan(41, -1.9, 0.02), nullptr, nullptr},
+                        {uneven, nullptr, nullptr},
+                        {less_uneven, nullptr, nullptr},
+                        {fan(40), nullptr, nullptr},
+                        {fan(40), nullptr, &track},
+                        {fan(40), nullptr, nullptr}};
+  BeamDirections directions;
+  for (const Turn& t : turns) {
+    ScanConfig config;
+    config.max_beams = 30;
+    config.scan_time = t.track != nullptr ? 0.1 : 0.0;
+    Taken with;
+    select_beams(t.scan, lidar_setup(t.scan, config, t.lidar), t.track, SensorConfig{}, kResolution_m,
+                 with.beams, with.counts, &directions);
+    expect_same_bits(with.beams, take(t.scan, config, t.lidar, t.track).beams);
+  }
+}
+
 TEST(BeamTime, GoesFromTheFirstBeamToTheLastAroundTheStamp) {
   const Scan scan = fan(5);
   ScanConfig config;

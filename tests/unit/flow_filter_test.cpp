@@ -11,6 +11,7 @@
 #include "common/error.h"
 #include "common/eval/metrics.h"
 #include "common/flow/pose_algebra.h"
+#include "common/io/config.h"
 #include "tests/unit/allocation_count.h"
 #include "tests/unit/small_drive.h"
 
@@ -242,6 +243,35 @@ TEST(FlowFilters, AGateSaysThatItRejected) {
   filter->start_at({1.15, 1.0, 0.0}, 0.1, 0.1, 0.05);
   EXPECT_FALSE(filter->step(drive.scans[0].odometry, drive.scans[0].scan).weighted);
   EXPECT_EQ(filter->why_skipped(), "the scan is farther off than flow.gate_nis allows");
+}
+
+TEST(FlowFilters, ThePublishedSettingsAreAConfiguration) {
+  FilterConfig c = read_config(std::string(PARLOC_SOURCE_DIR) + "/configs/csuzdi2021.yaml");
+  EXPECT_EQ(c.flow.prior, FlowPrior::ekf);
+  EXPECT_EQ(c.flow.interpolation, FieldInterpolation::cubic);
+  c.threads = 1;
+  c.backend = BackendChoice::cpu;
+  const test::SmallDrive drive = drive_of(30);
+  for (const std::string_view name : {"edh", "ekf"}) {
+    const auto filter = make_pose_filter(name, c, test::small_room());
+    const TrackErrors e = compare_tracks(run(*filter, {1.0, 1.0, 0.0}, drive), drive.truth);
+    EXPECT_LT(e.position_max_m, 0.1) << name;
+  }
+}
+
+TEST(FlowFilters, ImpossibleSettingsAreRefused) {
+  const auto message = [](const std::string& text) -> std::string {
+    try {
+      config_from_text(text, "my.yaml");
+    } catch (const Error& e) {
+      return e.what();
+    }
+    return "";
+  };
+  EXPECT_NE(message("flow: {steps: 0}").find("flow.steps must be 1 to 100, got 0"), std::string::npos);
+  EXPECT_NE(message("flow: {max_dist: 0}").find("flow.max_dist must be above 0"), std::string::npos);
+  EXPECT_NE(message("flow: {prior: mean}").find("recentred, ekf or sample"), std::string::npos);
+  EXPECT_NE(message("flow: {scedule: uniform}").find("'flow.schedule'"), std::string::npos);
 }
 
 TEST(FlowFilters, EulerStepsThatLagBehindAreCounted) {
