@@ -34,6 +34,7 @@ TEST(CompareEntries, OwnSettingsGoOverTheCommonOnes) {
   EXPECT_EQ(entries[1].config.particles, 10);
   EXPECT_EQ(entries[1].config.scan.max_beams, 44);
   EXPECT_EQ(entries[2].kind, "mcl");
+  EXPECT_EQ(entries[2].label.rfind("mcl:parloc_", 0), 0u) << entries[2].label;  // the file's name
   EXPECT_EQ(entries[2].label + "@500", entries[3].label);
   EXPECT_EQ(entries[2].config.scan.max_beams, 33);
   EXPECT_EQ(entries[2].config.max_particles, 70);
@@ -189,13 +190,12 @@ TEST(CompareConfigs, MotionNoiseIsThatOfTheWheels) {
 
 TEST(CompareConfigs, AllAreSound) {
   const std::string folder = kRoot + "configs/compare/";
-  const auto entries = read_entries("amcl=" + folder + "amcl_published.yaml,amcl=" + folder +
-                                        "amcl_tuned.yaml,ekf=" + folder + "ekf_published.yaml,ekf=" + folder +
-                                        "ekf_tuned.yaml,edh@100=" + folder + "edh_published.yaml",
+  const auto entries = read_entries("amcl=" + folder + "turtlebot3.yaml,ekf=" + folder +
+                                        "wide_field.yaml,edh@100=" + kRoot + "configs/csuzdi2021.yaml",
                                     {});
   EXPECT_EQ(entries[0].config.max_particles, 3000);
   EXPECT_EQ(entries[0].config.update_min_d, 0.2);
-  EXPECT_EQ(entries[4].label, "edh_published@100");
+  EXPECT_EQ(entries[2].label, "edh:csuzdi2021@100");
 }
 
 }  // namespace

@@ -38,7 +38,8 @@ Entry read_entry(const std::string& text, const FilterConfig& base) {
   if (std::find(kPoseFilterNames.begin(), kPoseFilterNames.end(), e.kind) == kPoseFilterNames.end())
     throw Error(ErrorKind::usage, fmt::format("--filters: expected one of {}, got '{}'",
                                               fmt::join(kPoseFilterNames, " "), e.kind));
-  e.label = config_file.empty() ? e.kind : std::filesystem::path(config_file).stem().string();
+  e.label = e.kind;
+  if (!config_file.empty()) e.label += ":" + std::filesystem::path(config_file).stem().string();
   e.config = config_file.empty() ? base : read_config(config_file, base);
   if (!particles.empty()) {
     if (e.kind == "amcl" || e.kind == "ekf" || e.kind == "ekf_beams")

@@ -9,7 +9,7 @@
 namespace parloc::compare {
 
 struct Entry {
-  std::string label;  ///< For people: "edh@100", or the name of its configuration's file.
+  std::string label;  ///< For people: "edh@100", "amcl:turtlebot3" with a file of its own.
   std::string kind;   ///< One of kPoseFilterNames.
   FilterConfig config;
 };

@@ -6,13 +6,14 @@
 namespace parloc::compare {
 namespace {
 
-// Slides of the study "LiDAR localization with exact Daum-Huang flow" (TurtleBot3 House in Gazebo, LDS-01,
+// Slides of the study (TurtleBot3 House in Gazebo, LDS-01,
 // 439 s of driving, 5 cm map): position and heading, first the RMSE, then the MAE. AMCL has 500 to 3000
 // particles, EDH ten Euler steps.
-constexpr const char* kStudy = "Daum-Huang localization study, table of the three noise levels";
+constexpr const char* kStudy = "Csuzdi and Toro 2021, slides, table of the three noise levels";
 // The authors' evaluation scripts of their follow-up: 50 runs; times in ROS, per update. Its EDH takes Euler
 // steps that grow by 1.3 (MEDH), its NAEDH the closed form. AMCL+ weighs every scan.
-constexpr const char* kFollowUp = "its follow-up, figures of the authors' evaluation scripts";
+constexpr const char* kFollowUp =
+    "follow-up of Csuzdi and Toro 2021, figures of the authors' evaluation scripts";
 
 bool about(double a, double b) {
   return std::fabs(a - b) <= 1e-6 * std::fabs(b);
