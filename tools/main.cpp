@@ -61,6 +61,7 @@ int run_program(int argc, char** argv) {
                                       add_map_command(program),
                                       add_config_command(program),
                                       add_evaluate_command(program, typed),
+                                      add_compare_command(program, typed),
                                       add_bench_command(program, typed),
                                       add_devices_command(program)};
   try {

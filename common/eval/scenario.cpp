@@ -3,6 +3,8 @@
 #include <fmt/format.h>
 #include <yaml-cpp/yaml.h>
 
+#include <algorithm>
+#include <cstdlib>
 #include <filesystem>
 
 #include "common/io/yaml_section.h"
@@ -73,16 +75,27 @@ void read_lidars(YamlSection& top, Scenario& scenario) {
 }
 
 void read_odometry(YamlSection section, SimulatedOdometry& odometry) {
+  enum class Form { seed, thrun, wheels };
+  Form form = Form::seed;
   section.number("rate", odometry.rate_hz, 0.01, 200.0);
   const bool has_form = section.has("form");
-  section.choice<MotionForm>("form", odometry.noise.form,
-                             {{"seed", MotionForm::seed}, {"thrun", MotionForm::thrun}});
+  section.choice<Form>("form", form,
+                       {{"seed", Form::seed}, {"thrun", Form::thrun}, {"wheels", Form::wheels}});
+  odometry.noise.form = form == Form::thrun ? MotionForm::thrun : MotionForm::seed;
+  const bool wheels = form == Form::wheels;
+  odometry.errors = wheels ? OdometryErrors::wheels : OdometryErrors::motion_model;
+  section.number("kappa", odometry.kappa_m, 0.0, 1.0);
+  section.number("wheel_base", odometry.wheel_base_m, 0.01, 100.0);
+  for (const char* key : {"kappa", "wheel_base"})
+    if (section.has(key) && !wheels) throw section.error(key, "needs form: wheels beside it");
   const std::pair<const char*, double*> alphas[] = {{"alpha1", &odometry.noise.alpha1},
                                                     {"alpha2", &odometry.noise.alpha2},
                                                     {"alpha3", &odometry.noise.alpha3},
                                                     {"alpha4", &odometry.noise.alpha4}};
   for (const auto& [key, target] : alphas) {
     section.number(key, *target, 0.0, 100.0);
+    if (section.has(key) && wheels)
+      throw section.error(key, "has no meaning for form: wheels, which has kappa and wheel_base");
     if (section.has(key) && !has_form) {
       throw section.error(
           key, "needs form beside it: seed (sigma linear in the motion) or thrun (variance quadratic)");
@@ -134,8 +147,21 @@ Waypoint read_point(const YAML::Node& node, std::size_t number, const std::strin
   return point;
 }
 
-std::string beside(const std::string& file, const std::string& relative) {
-  const std::filesystem::path path(relative);
+/// "$NAME/rest" with the folder that the environment calls NAME; anything else as it is.
+std::string with_environment(const std::string& file, const std::string& path) {
+  if (path.empty() || path[0] != '$') return path;
+  const std::size_t end = std::min(path.find('/'), path.size());
+  const std::string name = path.substr(1, end - 1);
+  const char* folder = std::getenv(name.c_str());
+  if (folder == nullptr || *folder == '\0')
+    throw Error(ErrorKind::config,
+                fmt::format("{}: {}: expected the environment variable {} to name a folder, it is not set",
+                            file, path, name));
+  return std::filesystem::absolute(folder).string() + path.substr(end);
+}
+
+std::string beside(const std::string& file, const std::string& named) {
+  const std::filesystem::path path(with_environment(file, named));
   return (path.is_absolute() ? path : std::filesystem::path(file).parent_path() / path)
       .lexically_normal()
       .string();

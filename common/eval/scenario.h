@@ -51,11 +51,20 @@ struct SimulatedLidar {
   double delay_s = 0.0;  ///< Its scans are this much later than those of a LiDAR without.
 };
 
+/// How the odometry errs.
+enum class OdometryErrors {
+  motion_model,  ///< As the filters' motion model has it: turn, drive, turn (SPEC 1.2).
+  wheels,        ///< As two wheels do (common/eval/wheel_odometry.h).
+};
+
 struct SimulatedOdometry {
   double rate_hz = 20.0;
+  OdometryErrors errors = OdometryErrors::motion_model;
   /// Only form and alpha1..alpha4 (SPEC 1.2), applied once per odometry step. The robot's own: not the
   /// filter's defaults.
   MotionConfig noise{.alpha1 = 0.1, .alpha2 = 0.05, .alpha3 = 0.1, .alpha4 = 0.05};
+  double kappa_m = 1e-4;           ///< wheels: variance of a wheel's distance per distance.
+  double wheel_base_m = 0.16;      ///< wheels: between the two.
   double scale_translation = 1.0;  ///< Wrong wheel radius.
   double scale_rotation = 1.0;     ///< Wrong wheel base.
   double drift_rad_per_m = 0.0;    ///< Unequal wheels.
@@ -87,9 +96,10 @@ struct Scenario {
   SimulatedClutter clutter;
 };
 
-/// Reads a scenario and its path; the files it names are relative to its own folder. Angles are in degrees
-/// there. Throws Error{config} with file:line for an unknown key (naming the nearest valid one), a duplicate,
-/// a wrong type or a value outside its limits, in the scenario or in its path file.
+/// Reads a scenario and its path; the files it names are relative to its own folder, or begin with $NAME: a
+/// folder that the environment names. Angles are in degrees there. Throws Error{config} with file:line for an
+/// unknown key (naming the nearest valid one), a duplicate, a wrong type or a value outside its limits, in
+/// the scenario or in its path file.
 Scenario read_scenario(const std::string& yaml_path);
 /// The same from memory, but opens no file: the path stays empty. `name` stands for the file and gives the
 /// folder.

@@ -14,6 +14,7 @@
 #include "common/eval/clutter.h"
 #include "common/eval/drive.h"
 #include "common/eval/simulated_walls.h"
+#include "common/eval/wheel_odometry.h"
 #include "common/math/philox.h"
 #include "common/math/portable64.h"
 #include "common/model/motion.h"
@@ -128,23 +129,38 @@ class SimulatedWheels {
   const Pose& pose() const { return pose_; }
 
   void move_to(const Pose& truth) {
-    // The truth is exact, so that the direction of a step far below min_translation_m still is one.
-    constexpr double turn_in_place_m = 1e-9;
-    const OdometryIncrement d = odometry_increment(truth_, truth, turn_in_place_m);
-    const MotionStep sigma = motion_step(d, model_.noise);
     const Normals n = normals(philox(0, step_, Stream::simulated_odometry, 0, seed_));
-    const double rot1 = model_.scale_rotation * d.rot1_rad + noise(sigma.sigma_rot1, n.n[0]);
-    const double trans = model_.scale_translation * d.trans_m + noise(sigma.sigma_trans, n.n[1]);
-    const double rot2 = model_.scale_rotation * d.rot2_rad + noise(sigma.sigma_rot2, n.n[2]);
-    const SinCos64 a = portable_sincos64(pose_.theta_rad + rot1);
-    pose_ = {pose_.x_m + trans * a.cos, pose_.y_m + trans * a.sin,
-             wrap64(pose_.theta_rad + rot1 + rot2 + model_.drift_rad_per_m * d.trans_m)};
+    model_.errors == OdometryErrors::wheels ? roll(truth, n) : turn_drive_turn(truth, n);
     truth_ = truth;
     ++step_;
   }
 
  private:
   static double noise(float sigma, float n) { return static_cast<double>(sigma) * static_cast<double>(n); }
+
+  void turn_drive_turn(const Pose& truth, const Normals& n) {
+    // The truth is exact, so that the direction of a step far below min_translation_m still is one.
+    constexpr double turn_in_place_m = 1e-9;
+    const OdometryIncrement d = odometry_increment(truth_, truth, turn_in_place_m);
+    const MotionStep sigma = motion_step(d, model_.noise);
+    const double rot1 = model_.scale_rotation * d.rot1_rad + noise(sigma.sigma_rot1, n.n[0]);
+    const double trans = model_.scale_translation * d.trans_m + noise(sigma.sigma_trans, n.n[1]);
+    const double rot2 = model_.scale_rotation * d.rot2_rad + noise(sigma.sigma_rot2, n.n[2]);
+    const SinCos64 a = portable_sincos64(pose_.theta_rad + rot1);
+    pose_ = {pose_.x_m + trans * a.cos, pose_.y_m + trans * a.sin,
+             wrap64(pose_.theta_rad + rot1 + rot2 + model_.drift_rad_per_m * d.trans_m)};
+  }
+
+  void roll(const Pose& truth, const Normals& n) {
+    const double along_m = along_heading(truth_, truth);
+    const double turn_rad = wrap64(truth.theta_rad - truth_.theta_rad);
+    const WheelArcs arcs =
+        wheel_arcs(model_.scale_translation * along_m,
+                   model_.scale_rotation * turn_rad + model_.drift_rad_per_m * along_m, model_.wheel_base_m);
+    pose_ = rolled(pose_,
+                   with_error(arcs, model_.kappa_m, static_cast<double>(n.n[0]), static_cast<double>(n.n[1])),
+                   model_.wheel_base_m);
+  }
 
   const SimulatedOdometry& model_;
   std::uint64_t seed_;

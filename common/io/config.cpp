@@ -141,9 +141,9 @@ LidarConfig* lidar_of(const std::string& group, std::vector<LidarConfig>& lidars
 
 }  // namespace
 
-FilterConfig config_from_text(const std::string& text, const std::string& name) {
+FilterConfig config_from_text(const std::string& text, const std::string& name, const FilterConfig& base) {
   const std::vector<ConfigEntry> entries = config_entries(text, name);
-  FilterConfig config;
+  FilterConfig config = base;
   if (const ConfigEntry* model = find_entry(entries, "sensor.model")) {  // first: it decides other defaults
     FieldSetter setter(name, *model);
     visit_fields(config, setter);
@@ -165,14 +165,14 @@ FilterConfig config_from_text(const std::string& text, const std::string& name) 
   return config;
 }
 
-FilterConfig read_config(const std::string& path) {
+FilterConfig read_config(const std::string& path, const FilterConfig& base) {
   std::ifstream file(path, std::ios::binary);
   if (!file) throw config_text::error(path, 0, fmt::format("cannot be opened: {}", std::strerror(errno)));
   std::string text(kLongestConfig + 1, '\0');  // one byte more than allowed tells a file that is too long
   file.read(text.data(), static_cast<std::streamsize>(text.size()));
   if (file.bad()) throw config_text::error(path, 0, "cannot be read (is it a folder?)");
   text.resize(static_cast<std::size_t>(file.gcount()));
-  return config_from_text(text, path);
+  return config_from_text(text, path, base);
 }
 
 }  // namespace parloc

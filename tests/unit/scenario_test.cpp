@@ -1,6 +1,8 @@
 // Scenario files: what is read, and what is refused in which words.
 #include "common/eval/scenario.h"
 
+#include <cstdlib>
+
 #include "tests/unit/simulated.h"
 
 namespace parloc {
@@ -37,6 +39,14 @@ TEST(ScenarioReader, names_what_is_wrong_and_where) {
        "s.yaml:4: lidar.stamp_at must be first, middle or last, got 'end'"},
       {"map: a.yaml\npath: b.yaml\nlidars:\n  - beams: 3\n  - beems: 3\n",
        "s.yaml:5: unknown key 'lidars[1].beems'; the nearest valid key is 'lidars[1].beams'"},
+      {"map: a.yaml\npath: b.yaml\nodometry:\n  kappa: 1e-4\n",
+       "s.yaml:4: odometry.kappa needs form: wheels beside it"},
+      {"map: a.yaml\npath: b.yaml\nodometry:\n  form: wheels\n  alpha1: 0.1\n",
+       "s.yaml:5: odometry.alpha1 has no meaning for form: wheels"},
+      {"map: a.yaml\npath: b.yaml\nodometry:\n  form: wheels\n  kappa: -1\n",
+       "s.yaml:5: odometry.kappa must be 0 to 1, got -1"},
+      {"map: $PARLOC_NO_SUCH/a.yaml\npath: b.yaml\n",
+       "s.yaml: $PARLOC_NO_SUCH/a.yaml: expected the environment variable PARLOC_NO_SUCH to name a folder"},
       {"map: a.yaml\npath: b.yaml\nlidars: 3\n", "s.yaml:3: lidars must be a list of groups, got '3'"},
       {"map: a.yaml\npath: b.yaml\nlidars: []\n", "s.yaml:3: lidars must be a list of 1 to 9 LiDARs"},
       {"map: a.yaml\npath: b.yaml\nlidars:\n  - 3\n",
@@ -125,6 +135,22 @@ TEST(ScenarioReader, reads_several_lidars) {
   const WaypointPath path = waypoints_from_text("points:\n  - [0, 0, 1, -720]\n  - [1, 0]\n", "p.yaml");
   EXPECT_DOUBLE_EQ(path.points[0].spin_rad, -720.0 * kDeg);
   EXPECT_EQ(path.points[1].spin_rad, 0.0);
+}
+
+TEST(ScenarioReader, reads_wheels_and_folders_of_the_environment) {
+  setenv("PARLOC_SCENARIO_TEST", "/somewhere", 1);
+  const Scenario s = scenario_from_text(
+      "map: $PARLOC_SCENARIO_TEST/a.yaml\nlocalization_map: here.yaml\npath: b.yaml\n"
+      "odometry: {form: wheels, kappa: 5e-3, wheel_base: 0.2}\n",
+      "folder/s.yaml");
+  EXPECT_EQ(s.map_path, "/somewhere/a.yaml");
+  EXPECT_EQ(s.localization_map_path, "folder/here.yaml");
+  EXPECT_EQ(s.odometry.errors, OdometryErrors::wheels);
+  EXPECT_EQ(s.odometry.kappa_m, 5e-3);
+  EXPECT_EQ(s.odometry.wheel_base_m, 0.2);
+  const Scenario as_before = scenario_from_text("map: a\npath: b\nodometry: {form: thrun}\n", "s.yaml");
+  EXPECT_EQ(as_before.odometry.errors, OdometryErrors::motion_model);
+  EXPECT_EQ(as_before.odometry.noise.form, MotionForm::thrun);
 }
 
 }  // namespace

@@ -1,0 +1,202 @@
+// The parts of `parloc compare`: what is compared, on which logs, from which start, and what a run says.
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <optional>
+
+#include "common/error.h"
+#include "common/filter/pose_filter.h"
+#include "common/math/portable64.h"
+#include "common/model/motion.h"
+#include "tests/unit/simulated.h"
+#include "tests/unit/small_drive.h"
+#include "tests/unit/temp_file.h"
+#include "tools/compare/comparison.h"
+
+namespace parloc::compare {
+namespace {
+
+TrialLog small_log(int scans) {
+  const auto drive = test::small_drive(test::small_room(), scans);
+  return {drive.scans, drive.truth, 0.0, 0, 0};
+}
+
+// ---- filters ----------------------------------------------------------------------------------------------
+TEST(CompareEntries, OwnSettingsGoOverTheCommonOnes) {
+  const test::TempFile own("own.yaml", "scan: {max_beams: 33}\nmin_particles: 7\nmax_particles: 70\n");
+  FilterConfig base;
+  base.motion.alpha1 = 0.7;
+  base.scan.max_beams = 44;
+  const auto entries = read_entries("ekf,edh@10,mcl=" + own.path() + ",mcl@500=" + own.path(), base);
+  ASSERT_EQ(entries.size(), 4u);
+  EXPECT_EQ(entries[0].label, "ekf");
+  EXPECT_EQ(entries[1].label, "edh@10");
+  EXPECT_EQ(entries[1].config.particles, 10);
+  EXPECT_EQ(entries[1].config.scan.max_beams, 44);
+  EXPECT_EQ(entries[2].kind, "mcl");
+  EXPECT_EQ(entries[2].label.rfind("mcl:parloc_", 0), 0u) << entries[2].label;  // the file's name
+  EXPECT_EQ(entries[2].label + "@500", entries[3].label);
+  EXPECT_EQ(entries[2].config.scan.max_beams, 33);
+  EXPECT_EQ(entries[2].config.max_particles, 70);
+  EXPECT_EQ(entries[3].config.most_particles(), 500);  // replaces those of the file, too
+  for (const Entry& e : entries) {
+    EXPECT_EQ(e.config.motion.alpha1, 0.7);
+    EXPECT_EQ(e.config.threads, 1);
+  }
+  EXPECT_EQ(read_entries(kDefaultFilters, {}).size(), kPoseFilterNames.size());
+}
+
+TEST(CompareEntries, WrongListsAreNamed) {
+  const auto usage = [](const std::string& list) {
+    return error_of([&] { read_entries(list, {}); }, ErrorKind::usage);
+  };
+  EXPECT_NE(usage("ekf,kalman").find("expected one of mcl amcl ekf"), std::string::npos);
+  EXPECT_NE(usage("").find("expected one of"), std::string::npos);
+  EXPECT_NE(usage("ekf,").find("expected one of"), std::string::npos);
+  EXPECT_NE(usage("edh@").find("something after '@'"), std::string::npos);
+  EXPECT_NE(usage("edh=").find("something after '='"), std::string::npos);
+  EXPECT_NE(usage("edh@ten").find("whole number"), std::string::npos);
+  EXPECT_NE(usage("edh@0").find("particles"), std::string::npos);
+  EXPECT_NE(usage("ekf@5").find("takes no number"), std::string::npos);
+  EXPECT_NE(usage("amcl@5").find("takes no number"), std::string::npos);
+  EXPECT_NE(usage("edh@5,edh@5").find("twice"), std::string::npos);
+  error_of([] { read_entries("edh=missing.yaml", {}); }, ErrorKind::config);
+}
+
+// ---- logs -------------------------------------------------------------------------------------------------
+// The odometry must notice nothing: its steps before and after are the true ones, the one in between is none.
+TEST(CompareDrives, AKidnappedRobotIsElsewhereAndItsOdometryIsNot) {
+  const TrialLog before = small_log(80);
+  TrialLog log = before;
+  kidnap(log, {2.0, 1.0});
+  const auto gone = before.records.size() - log.records.size();
+  ASSERT_GT(gone, 10u);
+  std::size_t at = 0;
+  while (log.records[at + 1].stamp_s < log.kidnapped_s) ++at;
+  EXPECT_NEAR(log.records[at].stamp_s - log.records[0].stamp_s, 2.0, 0.05);
+  const auto truth = truth_at(log.truth, {log.records[at].stamp_s, log.kidnapped_s});
+  const double far_m = std::hypot(truth[1]->x_m - truth[0]->x_m, truth[1]->y_m - truth[0]->y_m);
+  EXPECT_GE(far_m, 1.0);
+  EXPECT_LT(far_m, 1.0 + 0.05);  // one step of the drive is 3 cm
+  const auto step = [](const TrialLog& l, std::size_t k) {
+    return relative(l.records[k + 1].odometry, l.records[k].odometry);
+  };
+  EXPECT_EQ(step(log, at).x_m, 0.0);
+  for (std::size_t k = at + 1; k + 1 < log.records.size(); ++k) {
+    const Pose is = step(log, k), was = step(before, k + gone);
+    EXPECT_NEAR(is.x_m, was.x_m, 1e-12);
+    EXPECT_NEAR(is.y_m, was.y_m, 1e-12);
+    EXPECT_NEAR(is.theta_rad, was.theta_rad, 1e-12);
+  }
+  error_of([&] { kidnap(log, {0.0, 50.0}); }, ErrorKind::input);
+  error_of([&] { kidnap(log, {500.0, 1.0}); }, ErrorKind::input);
+}
+
+// ---- one run ----------------------------------------------------------------------------------------------
+TEST(CompareFollow, TheToldStartIsAsWrongAsAsked) {
+  const Pose truth{1.0, 2.0, 3.0};
+  for (std::uint64_t seed = 1; seed <= 20; ++seed) {
+    const Pose told = told_start({0.1, 0.05, 0.7, 0.3}, truth, seed);
+    EXPECT_NEAR(std::hypot(told.x_m - truth.x_m, told.y_m - truth.y_m), 0.7, 1e-12);
+    EXPECT_NEAR(wrap64(told.theta_rad - truth.theta_rad), seed % 2 == 1 ? 0.3 : -0.3, 1e-12);
+  }
+  EXPECT_EQ(told_start({}, truth, 3).x_m, truth.x_m);
+}
+
+TEST(CompareFollow, ARunIsJudgedAgainstTheTruth) {
+  const GridMap room = test::small_room();
+  const TrialLog log = small_log(60);
+  for (const Entry& e : read_entries("mcl@500,ekf_beams,edh@50", {})) {
+    const auto filter = make_pose_filter(e.kind, e.config, room);
+    const auto run = follow(*filter, log, {}, 5);
+    ASSERT_TRUE(run);
+    EXPECT_EQ(run->seed, 5u);
+    EXPECT_EQ(run->scans, 60u);
+    EXPECT_EQ(run->errors.compared, 60u);
+    EXPECT_EQ(run->step_s.size() + run->skipped, 59u);  // all but the first
+    EXPECT_NEAR(run->driven_s, 5.9, 1e-9);
+    EXPECT_LT(run->errors.position_rmse_m, 0.1);  // a cell of the map
+    EXPECT_FALSE(run->lost());
+    EXPECT_EQ(run->found_s, 0.0);
+    EXPECT_TRUE(std::isfinite(run->nees));
+    // The same seed, the same run.
+    EXPECT_EQ(follow(*filter, log, {}, 5)->errors.position_error_m, run->errors.position_error_m);
+    int scans = 0;
+    EXPECT_FALSE(follow(*filter, log, {}, 5, [&] { return ++scans < 3; }));
+    EXPECT_EQ(scans, 3);
+  }
+}
+
+// Told a start two metres off with no doubt about it, a filter that only tracks stays lost.
+TEST(CompareFollow, ALostRunIsCalledLost) {
+  const Entry e = read_entries("edh@50", {})[0];
+  const auto filter = make_pose_filter(e.kind, e.config, test::small_room());
+  const auto run = follow(*filter, small_log(60), {0.01, 0.01, 2.0, 0.0}, 3);
+  EXPECT_TRUE(run->lost());
+  EXPECT_FALSE(run->found_s);
+}
+
+// ---- many runs --------------------------------------------------------------------------------------------
+TEST(CompareSummary, MeansAndDeviations) {
+  const MeanDeviation v = mean_deviation({1.0, 2.0, 4.0, 5.0});
+  EXPECT_DOUBLE_EQ(v.mean, 3.0);
+  EXPECT_DOUBLE_EQ(v.deviation, std::sqrt(10.0 / 3.0));
+  EXPECT_TRUE(std::isnan(mean_deviation({1.0}).deviation));
+  EXPECT_TRUE(std::isnan(mean_deviation({}).mean));
+  FilterRun good, bad;
+  good.errors.position_rmse_m = 0.1, good.final_m = 0.1, good.driven_s = 10.0, good.working_s = 1.0;
+  bad.errors.position_rmse_m = 0.5, bad.final_m = std::nan(""), bad.driven_s = 10.0, bad.working_s = 3.0;
+  const Summary s = summarise({good, bad});
+  EXPECT_EQ(s.runs, 2u);
+  EXPECT_EQ(s.lost, 1u);  // not a number is not at home
+  EXPECT_DOUBLE_EQ(s.position_rmse_m.mean, 0.3);
+  EXPECT_DOUBLE_EQ(s.kept_rmse_m.mean, 0.1);
+  EXPECT_DOUBLE_EQ(s.real_time_factor, 5.0);
+}
+
+TEST(ComparePublished, RowsAreFoundWhereTheSettingIsTheirs) {
+  const PublishedSetting* s = find_published(1e-4, 0.01, 0.05);
+  ASSERT_NE(s, nullptr);
+  EXPECT_EQ(find_row(*s, "edh", 100)->position_rmse_m, 0.0437);
+  EXPECT_EQ(find_row(*s, "edh", 100)->heading_rmse_rad, 0.0206);
+  EXPECT_EQ(find_row(*s, "amcl", 2000)->position_mae_m, 0.0672);
+  EXPECT_EQ(find_row(*s, "edh", 50), nullptr);
+  EXPECT_EQ(find_row(*s, "gromov", 100), nullptr);
+  EXPECT_EQ(find_row(*find_published(5e-4, 0.02, 0.01), "naedh", 100)->step_ms, 49.62);
+  EXPECT_EQ(find_published(2e-4, 0.01, 0.05), nullptr);
+  EXPECT_EQ(find_published(1e-4, 0.01, 0.01), nullptr);
+  EXPECT_EQ(published_settings().size(), 4u);
+}
+
+// ---- the settings that ship -------------------------------------------------------------------------------
+// For wheels of kappa, the motion model's variances of one scan's motion are those of the wheels (SPEC 1.6).
+TEST(CompareConfigs, MotionNoiseIsThatOfTheWheels) {
+  constexpr double base_m = 0.16, step_m = 0.18 / 5.0, turn_rad = 0.6 / 5.0;
+  for (const auto& [name, kappa_m] : {std::pair{"1e-6", 1e-6}, {"1e-4", 1e-4}, {"5e-3", 5e-3}}) {
+    const FilterConfig c =
+        read_entries("ekf=" + kRoot + "configs/compare/kappa_" + name + ".yaml", {})[0].config;
+    const MotionStep drive = motion_step({0.0, step_m, 0.0}, c.motion);
+    const double heading_rad = std::hypot(drive.sigma_rot1, drive.sigma_rot2);
+    EXPECT_NEAR(heading_rad / (std::sqrt(2.0 * kappa_m * step_m) / base_m), 1.0,
+                1e-3);  // files have 4 digits
+    EXPECT_NEAR(static_cast<double>(drive.sigma_trans) / std::sqrt(kappa_m * step_m / 2.0), 1.0, 1e-3);
+    const MotionStep turn = motion_step({0.0, 0.0, turn_rad}, c.motion);
+    const double arc_m = base_m * turn_rad / 2.0;
+    EXPECT_NEAR(static_cast<double>(turn.sigma_rot2) / (std::sqrt(2.0 * kappa_m * arc_m) / base_m), 1.0,
+                1e-3);
+    EXPECT_NEAR(static_cast<double>(turn.sigma_trans) / std::sqrt(kappa_m * arc_m / 2.0), 1.0, 1e-3);
+  }
+}
+
+TEST(CompareConfigs, AllAreSound) {
+  const std::string folder = kRoot + "configs/compare/";
+  const auto entries = read_entries("amcl=" + folder + "turtlebot3.yaml,ekf=" + folder +
+                                        "wide_field.yaml,edh@100=" + kRoot + "configs/csuzdi2021.yaml",
+                                    {});
+  EXPECT_EQ(entries[0].config.max_particles, 3000);
+  EXPECT_EQ(entries[0].config.update_min_d, 0.2);
+  EXPECT_EQ(entries[2].label, "edh:csuzdi2021@100");
+}
+
+}  // namespace
+}  // namespace parloc::compare

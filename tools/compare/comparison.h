@@ -1,0 +1,65 @@
+// A comparison with its results, and the forms in which it is told.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "tools/bench/machine.h"
+#include "tools/bench/statistics.h"
+#include "tools/bench/table.h"
+#include "tools/compare/published.h"
+#include "tools/compare/run_all.h"
+
+namespace parloc::compare {
+
+/// Over runs; both NaN without one, the deviation also of a single one.
+struct MeanDeviation {
+  double mean = 0.0, deviation = 0.0;  ///< Of the sample.
+};
+MeanDeviation mean_deviation(const std::vector<double>& values);
+
+/// What the runs of one filter say together.
+struct Summary {
+  std::size_t runs = 0, lost = 0;
+  MeanDeviation position_rmse_m, position_mae_m, position_max_m;
+  MeanDeviation heading_rmse_rad, heading_mae_rad, heading_max_rad;
+  MeanDeviation nees;
+  MeanDeviation kept_rmse_m;  ///< Position RMSE of the runs that were not lost.
+  double particles = 0.0;
+  double skipped = 0.0;           ///< Share of the scans.
+  bench::TimeSummary step;        ///< Steps that took their scan in.
+  double real_time_factor = 0.0;  ///< Seconds of driving per second in steps.
+};
+Summary summarise(const std::vector<FilterRun>& runs);
+
+struct Comparison {
+  std::string command, date;  ///< As typed; UTC.
+  bench::Machine machine;
+  std::string source, map_path;
+  DrivePlan plan;
+  Request request;
+  const PublishedSetting* published = nullptr;  ///< If the setting is theirs.
+  Outcome outcome;
+  bool interrupted = false;
+  double wall_s = 0.0;
+  std::vector<Summary> summaries;  ///< By entry.
+};
+
+/// What was compared, and how: name and value.
+using Lines = std::vector<std::pair<std::string, std::string>>;
+Lines origin_lines(const Comparison& c);
+
+/// One row per filter. The second holds what a clock has measured.
+bench::Table error_table(const Comparison& c);
+bench::Table time_table(const Comparison& c);
+
+std::string terminal_text(const Comparison& c);
+std::string markdown_text(const Comparison& c);
+/// Everything that is measured on a clock is in "times".
+std::string json_text(const Comparison& c);
+std::string html_page(const Comparison& c);
+
+}  // namespace parloc::compare

@@ -1,0 +1,132 @@
+#include "tools/compare/drives.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+#include <vector>
+
+#include "common/error.h"
+#include "common/eval/drive.h"
+#include "common/eval/metrics.h"
+#include "common/eval/simulator.h"
+#include "common/io/log.h"
+
+namespace parloc::compare {
+namespace {
+
+using Records = std::vector<LogRecord>;
+
+bool is_scan(const LogRecord& r) {
+  return r.kind == RecordKind::scan;
+}
+
+/// The true pose at every record; records in between scans have none.
+std::vector<std::optional<Pose>> truth_of(const TrialLog& log) {
+  std::vector<double> stamps;
+  for (const LogRecord& r : log.records) stamps.push_back(r.stamp_s);
+  auto poses = truth_at(log.truth, stamps);
+  for (std::size_t k = 0; k < poses.size(); ++k)
+    if (!is_scan(log.records[k])) poses[k].reset();
+  return poses;
+}
+
+/// What filters are compared on: from the first scan with a true pose to the end of the plan.
+void trim(TrialLog& log, const DrivePlan& plan, const std::string& name) {
+  const auto truth = truth_of(log);
+  const auto first =
+      std::find_if(truth.begin(), truth.end(), [](const auto& pose) { return pose.has_value(); });
+  if (first == truth.end())
+    throw input_error(name, 0, "expected scans at times at which the true pose is known, found none");
+  log.records.erase(log.records.begin(), log.records.begin() + (first - truth.begin()));
+  if (plan.duration_s <= 0.0) return;
+  const double until_s = log.records.front().stamp_s + plan.duration_s;
+  log.records.erase(std::find_if(log.records.begin(), log.records.end(),
+                                 [&](const LogRecord& r) { return r.stamp_s > until_s; }),
+                    log.records.end());
+}
+
+class SimulatedDrives : public DriveSource {
+ public:
+  SimulatedDrives(const DrivePlan& plan, const Scenario& scenario, GridMap map, std::string name)
+      : plan_(plan), scenario_(scenario), map_(std::move(map)), name_(std::move(name)) {}
+
+  TrialLog drive(std::uint64_t seed) const override {
+    Scenario scenario = scenario_;
+    scenario.seed = seed;
+    const double whole_s = plan_drive(scenario.path).duration_s();
+    SimulatedLog simulated = simulate(scenario, map_, [&](double fraction) {
+      return plan_.duration_s <= 0.0 || fraction * whole_s <= plan_.duration_s;
+    });
+    TrialLog log{std::move(simulated.records), std::move(simulated.truth), 0.0, simulated.hits,
+                 simulated.unmapped};
+    trim(log, plan_, name_);
+    if (plan_.kidnapping) kidnap(log, *plan_.kidnapping);
+    return log;
+  }
+  std::string what() const override { return fmt::format("{}: its drive, one per seed", name_); }
+
+ private:
+  DrivePlan plan_;
+  Scenario scenario_;
+  GridMap map_;
+  std::string name_;
+};
+
+class RecordedDrives : public DriveSource {
+ public:
+  RecordedDrives(const DrivePlan& plan, const std::string& log, const std::string& truth) : name_(log) {
+    log_.truth = read_tum(truth);
+    const auto reader = open_carmen_log(log);
+    for (LogRecord record; reader->next(record);) log_.records.push_back(std::move(record));
+    if (std::none_of(log_.records.begin(), log_.records.end(), is_scan))
+      throw input_error(log, 0, "expected at least one scan (FLASER, RLASER or ROBOTLASER1), found none");
+    trim(log_, plan, truth);
+    if (plan.kidnapping) kidnap(log_, *plan.kidnapping);
+  }
+
+  TrialLog drive(std::uint64_t) const override { return log_; }
+  std::string what() const override { return name_ + ": recorded"; }
+
+ private:
+  TrialLog log_;
+  std::string name_;
+};
+
+}  // namespace
+
+void kidnap(TrialLog& log, const Kidnapping& kidnapping) {
+  const auto truth = truth_of(log);
+  const double from_s = log.records.front().stamp_s + kidnapping.after_s;
+  std::size_t last = 0;  // of the scans before it
+  while (last < truth.size() && !(truth[last] && log.records[last].stamp_s >= from_s)) ++last;
+  std::size_t next = last + 1;
+  const auto far = [&](std::size_t k) {
+    return truth[k] && std::hypot(truth[k]->x_m - truth[last]->x_m, truth[k]->y_m - truth[last]->y_m) >=
+                           kidnapping.distance_m;
+  };
+  while (next < truth.size() && !far(next)) ++next;
+  if (next >= truth.size())
+    throw Error(ErrorKind::input, fmt::format("--kidnap: the drive never gets {:g} m away from where it is "
+                                              "after {:g} s",
+                                              kidnapping.distance_m, kidnapping.after_s));
+  // The odometry goes on from where it was.
+  const Pose before = log.records[last].odometry, after = log.records[next].odometry;
+  for (std::size_t k = next; k < log.records.size(); ++k)
+    log.records[k].odometry = compose(before, relative(log.records[k].odometry, after));
+  log.kidnapped_s = log.records[next].stamp_s;
+  log.records.erase(log.records.begin() + static_cast<std::ptrdiff_t>(last) + 1,
+                    log.records.begin() + static_cast<std::ptrdiff_t>(next));
+}
+
+std::unique_ptr<DriveSource> simulated_drives(const DrivePlan& plan, const Scenario& scenario, GridMap map,
+                                              const std::string& name) {
+  return std::make_unique<SimulatedDrives>(plan, scenario, std::move(map), name);
+}
+std::unique_ptr<DriveSource> recorded_drives(const DrivePlan& plan, const std::string& log,
+                                             const std::string& truth) {
+  return std::make_unique<RecordedDrives>(plan, log, truth);
+}
+
+}  // namespace parloc::compare

@@ -1,0 +1,48 @@
+// The logs that filters are compared on: simulated anew for every seed, or one recorded log.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <memory>
+#include <optional>
+#include <string>
+
+#include "common/eval/scenario.h"
+#include "common/eval/trial.h"
+#include "common/map/grid_map.h"
+
+namespace parloc::compare {
+
+/// The robot is carried along its path while its odometry notices nothing.
+struct Kidnapping {
+  double after_s = 0.0;     ///< From the first scan.
+  double distance_m = 0.0;  ///< Straight, from where it was.
+};
+
+struct DrivePlan {
+  double duration_s = 0.0;  ///< Of every log, from its first scan with a true pose; 0: all of it.
+  std::optional<Kidnapping> kidnapping;
+};
+
+class DriveSource {
+ public:
+  virtual ~DriveSource() = default;
+  /// From the first scan with a true pose on. May be called from several threads. Throws Error{input} if the
+  /// robot never gets far enough to be kidnapped.
+  virtual TrialLog drive(std::uint64_t seed) const = 0;
+  virtual std::string what() const = 0;  ///< For people.
+};
+
+/// The scenario's own drive, with another seed each.
+std::unique_ptr<DriveSource> simulated_drives(const DrivePlan& plan, const Scenario& scenario, GridMap map,
+                                              const std::string& name);
+/// The same log for every seed. Throws Error{input} as the readers, for a log without a scan, and for a truth
+/// of another time.
+std::unique_ptr<DriveSource> recorded_drives(const DrivePlan& plan, const std::string& log,
+                                             const std::string& truth);
+
+/// Leaves out what lies between: a piece of the log in which the robot gets that far, and its odometry.
+/// Throws Error{input} if it never does.
+void kidnap(TrialLog& log, const Kidnapping& kidnapping);
+
+}  // namespace parloc::compare

@@ -1,0 +1,74 @@
+#include "tools/compare/entry.h"
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <algorithm>
+#include <cstdint>
+#include <filesystem>
+
+#include "common/error.h"
+#include "common/filter/pose_filter.h"
+#include "common/io/config.h"
+#include "tools/parse_number.h"
+
+namespace parloc::compare {
+namespace {
+
+std::vector<std::string> split(const std::string& text, char at) {
+  std::vector<std::string> parts(1);
+  for (const char c : text) c == at ? void(parts.emplace_back()) : parts.back().push_back(c);
+  return parts;
+}
+
+/// What stands before `mark`; what stands after it is left in `rest`, which is empty without a mark.
+std::string before(const std::string& text, char mark, std::string& rest, const std::string& whole) {
+  const std::size_t at = text.find(mark);
+  if (at == std::string::npos) return text;
+  rest = text.substr(at + 1);
+  if (rest.empty())
+    throw Error(ErrorKind::usage, fmt::format("--filters: '{}': expected something after '{}'", whole, mark));
+  return text.substr(0, at);
+}
+
+Entry read_entry(const std::string& text, const FilterConfig& base) {
+  std::string config_file, particles;
+  Entry e;
+  e.kind = before(before(text, '=', config_file, text), '@', particles, text);
+  if (std::find(kPoseFilterNames.begin(), kPoseFilterNames.end(), e.kind) == kPoseFilterNames.end())
+    throw Error(ErrorKind::usage, fmt::format("--filters: expected one of {}, got '{}'",
+                                              fmt::join(kPoseFilterNames, " "), e.kind));
+  e.label = e.kind;
+  if (!config_file.empty()) e.label += ":" + std::filesystem::path(config_file).stem().string();
+  e.config = config_file.empty() ? base : read_config(config_file, base);
+  if (!particles.empty()) {
+    if (e.kind == "amcl" || e.kind == "ekf" || e.kind == "ekf_beams")
+      throw Error(ErrorKind::usage, fmt::format("--filters: '{}': {} takes no number of particles", text,
+                                                e.kind == "amcl" ? "amcl chooses its own and" : e.kind));
+    e.label += "@" + particles;
+    e.config.particles = tools::parse_whole_number<std::int64_t>("--filters", particles);
+    e.config.min_particles = e.config.max_particles = 0;
+  }
+  e.config.threads = 1;
+  try {
+    validate(e.config);
+  } catch (const Error& error) {  // a file is sound by now, so it is the command line
+    throw Error(ErrorKind::usage, fmt::format("--filters: '{}': {}", text, error.what()));
+  }
+  return e;
+}
+
+}  // namespace
+
+std::vector<Entry> read_entries(const std::string& list, const FilterConfig& base) {
+  std::vector<Entry> entries;
+  for (const std::string& text : split(list, ',')) {
+    const Entry e = read_entry(text, base);
+    if (std::any_of(entries.begin(), entries.end(), [&](const Entry& o) { return o.label == e.label; }))
+      throw Error(ErrorKind::usage, fmt::format("--filters: '{}' is there twice", e.label));
+    entries.push_back(e);
+  }
+  return entries;
+}
+
+}  // namespace parloc::compare

@@ -1,0 +1,142 @@
+#include <nlohmann/json.hpp>
+
+#include "common/io/config.h"
+#include "tools/bench/build_info.h"
+#include "tools/compare/comparison.h"
+
+namespace parloc::compare {
+namespace {
+
+using Json = nlohmann::ordered_json;  // a NaN is null there
+
+Json pair_json(const MeanDeviation& v) {
+  return {{"mean", v.mean}, {"deviation", v.deviation}};
+}
+Json or_null(const std::optional<double>& value) {
+  return value ? Json(*value) : Json(nullptr);
+}
+
+Json plan_json(const Comparison& c) {
+  const StartPlan& s = c.request.start;
+  Json json{{"source", c.source},
+            {"map", c.map_path},
+            {"first_seed", c.request.first_seed},
+            {"seeds", c.request.seeds},
+            {"duration_s", c.plan.duration_s > 0.0 ? Json(c.plan.duration_s) : Json(nullptr)},
+            {"start_sigma_m", s.sigma_xy_m},
+            {"start_sigma_rad", s.sigma_theta_rad},
+            {"start_off_m", s.off_m},
+            {"start_off_rad", s.off_rad},
+            {"kidnapping", nullptr},
+            {"unmapped_hits", static_cast<double>(c.outcome.unmapped) / static_cast<double>(c.outcome.hits)},
+            {"lost_m", kLost_m}};
+  if (c.plan.kidnapping)
+    json["kidnapping"] = {{"after_s", c.plan.kidnapping->after_s},
+                          {"distance_m", c.plan.kidnapping->distance_m}};
+  return json;
+}
+
+Json published_json(const PublishedSetting* setting) {
+  if (setting == nullptr) return nullptr;
+  Json rows = Json::array();
+  for (const PublishedRow& r : setting->rows)
+    rows.push_back({{"name", r.name},
+                    {"filter", r.kind},
+                    {"particles", r.particles},
+                    {"position_rmse_m", r.position_rmse_m},
+                    {"position_mae_m", or_null(r.position_mae_m)},
+                    {"heading_rmse_rad", r.heading_rmse_rad},
+                    {"heading_mae_rad", or_null(r.heading_mae_rad)},
+                    {"step_ms", or_null(r.step_ms)}});
+  return {{"source", setting->source},
+          {"kappa_m", setting->kappa_m},
+          {"sigma_range_m", setting->sigma_range_m},
+          {"resolution_m", setting->resolution_m},
+          {"rows", rows}};
+}
+
+Json run_json(const FilterRun& r) {
+  const TrackErrors& e = r.errors;
+  return {{"seed", r.seed},
+          {"scans", r.scans},
+          {"compared", e.compared},
+          {"skipped", r.skipped},
+          {"position_rmse_m", e.position_rmse_m},
+          {"position_mae_m", e.position_mae_m},
+          {"position_max_m", e.position_max_m},
+          {"heading_rmse_rad", e.heading_rmse_rad},
+          {"heading_mae_rad", e.heading_mae_rad},
+          {"heading_max_rad", e.heading_max_rad},
+          {"nees", r.nees},
+          {"final_m", r.final_m},
+          {"lost", r.lost()},
+          {"found_s", or_null(r.found_s)},
+          {"particles", r.particles}};
+}
+
+Json filter_json(const Comparison& c, std::size_t k) {
+  const Entry& e = c.request.entries[k];
+  const Summary& s = c.summaries[k];
+  Json json{{"filter", e.label},
+            {"kind", e.kind},
+            {"runs", s.runs},
+            {"lost", s.lost},
+            {"particles", s.particles},
+            {"skipped", s.skipped},
+            {"position_rmse_m", pair_json(s.position_rmse_m)},
+            {"position_mae_m", pair_json(s.position_mae_m)},
+            {"position_max_m", pair_json(s.position_max_m)},
+            {"heading_rmse_rad", pair_json(s.heading_rmse_rad)},
+            {"heading_mae_rad", pair_json(s.heading_mae_rad)},
+            {"heading_max_rad", pair_json(s.heading_max_rad)},
+            {"nees", pair_json(s.nees)},
+            {"kept_position_rmse_m", pair_json(s.kept_rmse_m)},
+            {"config", config_to_yaml(e.config)},
+            {"each", Json::array()}};
+  for (const FilterRun& r : c.outcome.runs[k]) json["each"].push_back(run_json(r));
+  return json;
+}
+
+Json times_json(const Comparison& c) {
+  Json json{{"date", c.date},
+            {"wall_s", c.wall_s},
+            {"jobs", c.request.jobs},
+            {"machine",
+             {{"cpu", c.machine.cpu},
+              {"cores", c.machine.cores},
+              {"memory_bytes", c.machine.memory_bytes},
+              {"os", c.machine.os},
+              {"load_average", c.machine.load_average},
+              {"devices", c.machine.devices}}},
+            {"filters", Json::array()}};
+  for (std::size_t k = 0; k < c.summaries.size(); ++k) {
+    const Summary& s = c.summaries[k];
+    json["filters"].push_back({{"filter", c.request.entries[k].label},
+                               {"backend", c.outcome.backends[k]},
+                               {"steps", s.step.count},
+                               {"step_median_ms", 1e3 * s.step.median_s},
+                               {"step_p99_ms", 1e3 * s.step.p99_s},
+                               {"real_time_factor", s.real_time_factor}});
+  }
+  return json;
+}
+
+}  // namespace
+
+std::string json_text(const Comparison& c) {
+  Json json{{"tool", "parloc compare"}, {"command", c.command}, {"interrupted", c.interrupted}};
+  json["build"] = {{"version", bench::kVersion},
+                   {"commit", bench::kCommit[0] == '\0' ? Json(nullptr) : Json(bench::kCommit)},
+                   {"compiler", bench::kCompiler},
+                   {"flags", bench::kFlags},
+                   {"build_type", bench::kBuildType}};
+  json["plan"] = plan_json(c);
+  json["published"] = published_json(c.published);
+  json["filters"] = Json::array();
+  for (std::size_t k = 0; k < c.summaries.size(); ++k) json["filters"].push_back(filter_json(c, k));
+  json["times"] = times_json(c);
+  // A file name in `command` may hold any bytes.
+  return json.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
+}
+
+}  // namespace parloc::compare

@@ -1,0 +1,140 @@
+#include <fmt/format.h>
+
+#include <cmath>
+#include <iterator>
+
+#include "tools/bench/build_info.h"
+#include "tools/bench/numbers.h"
+#include "tools/compare/comparison.h"
+
+namespace parloc::compare {
+namespace {
+
+constexpr std::size_t kWidth = 118;
+
+std::string number(double value, int decimals) {
+  return std::isfinite(value) ? fmt::format("{:.{}f}", value, decimals) : "-";
+}
+std::string spread(const MeanDeviation& v, int decimals) {
+  if (!std::isfinite(v.deviation)) return number(v.mean, decimals);
+  return fmt::format("{:.{}f} +- {:.{}f}", v.mean, decimals, v.deviation, decimals);
+}
+std::string number(const std::optional<double>& value, int decimals) {
+  return value ? number(*value, decimals) : "-";
+}
+
+/// The authors' figures for this filter: as many cells as published_columns().
+std::vector<std::string> published_cells(const PublishedSetting& setting, const Entry& e) {
+  const PublishedRow* row = find_row(setting, e.kind, e.config.particles);
+  if (row == nullptr) return {"-", "-", "-", "-"};
+  return {number(row->position_rmse_m, 4), number(row->position_mae_m, 4), number(row->heading_rmse_rad, 4),
+          number(row->heading_mae_rad, 4)};
+}
+
+Lines machine_lines(const Comparison& c) {
+  Lines lines{{"machine", fmt::format("{}, {} core{}", c.machine.cpu, c.machine.cores,
+                                      c.machine.cores == 1 ? "" : "s")}};
+  std::string how = c.request.jobs == 1 ? std::string("one filter at a time, each in one thread")
+                                        : fmt::format("{} at once, which disturb each other", c.request.jobs);
+  lines.emplace_back("times", how + fmt::format("; whole work {:.1f} s", c.wall_s));
+  return lines;
+}
+
+}  // namespace
+
+Lines origin_lines(const Comparison& c) {
+  const StartPlan& start = c.request.start;
+  Lines lines{{"drives", c.source}, {"map", c.map_path}};
+  lines.emplace_back("seeds",
+                     fmt::format("{} from {}{}", c.request.seeds, c.request.first_seed,
+                                 c.interrupted ? "; interrupted, the runs that were finished count" : ""));
+  std::string told = fmt::format("spread {:g} m, {:g} rad", start.sigma_xy_m, start.sigma_theta_rad);
+  if (start.off_m > 0.0 || start.off_rad > 0.0)
+    told += fmt::format("; it is wrong by {:g} m and {:g} degrees", start.off_m,
+                        start.off_rad * 180.0 / 3.14159265358979);
+  lines.emplace_back("start", told);
+  if (c.plan.kidnapping)
+    lines.emplace_back("kidnapped", fmt::format("after {:g} s, along its path to {:g} m from where it was",
+                                                c.plan.kidnapping->after_s, c.plan.kidnapping->distance_m));
+  if (c.outcome.unmapped > 0)
+    lines.emplace_back("clutter", fmt::format("{:.1f} % of the hits are on things that are not on the map",
+                                              100.0 * static_cast<double>(c.outcome.unmapped) /
+                                                  static_cast<double>(c.outcome.hits)));
+  if (c.published != nullptr) lines.emplace_back("published", c.published->source);
+  lines.emplace_back("lost", fmt::format("farther than {:g} m off at the end", kLost_m));
+  const std::string commit = bench::kCommit[0] == '\0' ? "" : fmt::format(", commit {}", bench::kCommit);
+  lines.emplace_back("build", fmt::format("parloc {}{}", bench::kVersion, commit));
+  return lines;
+}
+
+bench::Table error_table(const Comparison& c) {
+  bench::Table t;
+  t.title = "Errors, mean +- standard deviation over seeds";
+  t.columns = {{"", "filter", true},
+               {"", "runs"},
+               {"", "lost"},
+               {"position, m", "RMSE"},
+               {"position, m", "MAE"},
+               {"position, m", "max"},
+               {"heading, rad", "RMSE"},
+               {"heading, rad", "MAE"},
+               {"heading, rad", "max"},
+               {"", "NEES"}};
+  if (c.published != nullptr)
+    for (const char* name : {"RMSE m", "MAE m", "RMSE rad", "MAE rad"})
+      t.columns.push_back({"published", name});
+  for (std::size_t k = 0; k < c.summaries.size(); ++k) {
+    const Summary& s = c.summaries[k];
+    auto& row = t.rows.emplace_back();
+    row = {c.request.entries[k].label,    std::to_string(s.runs),
+           std::to_string(s.lost),        spread(s.position_rmse_m, 4),
+           spread(s.position_mae_m, 4),   spread(s.position_max_m, 3),
+           spread(s.heading_rmse_rad, 4), spread(s.heading_mae_rad, 4),
+           spread(s.heading_max_rad, 3),  spread(s.nees, 1)};
+    if (c.published == nullptr) continue;
+    for (std::string& cell : published_cells(*c.published, c.request.entries[k]))
+      row.push_back(std::move(cell));
+  }
+  return t;
+}
+
+bench::Table time_table(const Comparison& c) {
+  bench::Table t;
+  t.title = "Times on this machine: of a step that takes its scan in, and of all steps together";
+  t.columns = {{"", "filter", true}, {"", "particles"},     {"", "median ms"},    {"", "p99 ms"},
+               {"", "x real time"},  {"", "scans skipped"}, {"", "backend", true}};
+  for (std::size_t k = 0; k < c.summaries.size(); ++k) {
+    const Summary& s = c.summaries[k];
+    t.rows.push_back({c.request.entries[k].label, s.particles > 0.0 ? number(s.particles, 0) : "-",
+                      bench::milliseconds_text(s.step.median_s), bench::milliseconds_text(s.step.p99_s),
+                      bench::significant(s.real_time_factor, 3),
+                      s.runs > 0 ? fmt::format("{:.1f} %", 100.0 * s.skipped) : "-",
+                      c.outcome.backends[k].empty() ? "-" : c.outcome.backends[k]});
+  }
+  return t;
+}
+
+std::string terminal_text(const Comparison& c) {
+  std::string text;
+  const auto print = [&](const Lines& lines) {
+    for (const auto& [name, value] : lines)
+      fmt::format_to(std::back_inserter(text), "{:<12}{}\n", name, value);
+    text += "\n";
+  };
+  print(origin_lines(c));
+  text += bench::terminal_text(error_table(c), kWidth) + "\n" + bench::terminal_text(time_table(c), kWidth) +
+          "\n";
+  print(machine_lines(c));
+  text.pop_back();
+  return text;
+}
+
+std::string markdown_text(const Comparison& c) {
+  std::string text = fmt::format("# Filters compared\n\n```\n{}\n```\n\n{}.\n\n", c.command, c.date);
+  for (const auto& [name, value] : origin_lines(c)) text += fmt::format("- {}: {}\n", name, value);
+  text += "\n" + bench::markdown_text(error_table(c)) + "\n" + bench::markdown_text(time_table(c)) + "\n";
+  for (const auto& [name, value] : machine_lines(c)) text += fmt::format("- {}: {}\n", name, value);
+  return text;
+}
+
+}  // namespace parloc::compare
