@@ -89,7 +89,7 @@ def logs(args, run):
     for name, grid in LOGS.items():
         home = args.data / name
         results[name] = run(f"log_{name}", ["--log", home / "scans.log", "--truth", home / "reference.tum", "--map", home / grid,
-                                            "--filters", FILTERS, "--seeds", 5, "--jobs", args.jobs])
+                                            "--filters", FILTERS, "--seeds", min(5, args.seeds), "--jobs", args.jobs])
     return results
 
 
