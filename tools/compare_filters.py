@@ -56,13 +56,16 @@ SPEED = {"edh@100": 5000, "mcl": 20}  # times real time
 def compare(program, work, name, arguments):
     out = work / name
     program("compare", "--quiet", "--out", out, *arguments)
-    return json.loads((out / "compare.json").read_text())
+    text = (out / "compare.json").read_text()
+    for folder, name_of in ((os.environ["PARLOC_DATA"], "$PARLOC_DATA"), (f"{accuracy.ROOT}/", ""), (f"{work}/", "")):
+        text = text.replace(folder, name_of)
+    return json.loads(text)
 
 
 def slim(result):
-    """Without what is the same in all: build, machine and whole configurations."""
+    """Without what is the same in all, build, machine and whole configurations, and without the single runs: the command repeats them."""
     return {"command": result["command"], "plan": result["plan"], "published": result["published"],
-            "filters": [{k: v for k, v in f.items() if k != "config"} for f in result["filters"]],
+            "filters": [{k: v for k, v in f.items() if k not in ("config", "each")} for f in result["filters"]],
             "times": {k: result["times"][k] for k in ("jobs", "wall_s", "filters")}}
 
 
@@ -89,7 +92,7 @@ def logs(args, run):
     for name, grid in LOGS.items():
         home = args.data / name
         results[name] = run(f"log_{name}", ["--log", home / "scans.log", "--truth", home / "reference.tum", "--map", home / grid,
-                                            "--filters", FILTERS, "--seeds", 5, "--jobs", args.jobs])
+                                            "--filters", FILTERS, "--seeds", min(5, args.seeds), "--jobs", args.jobs])
     return results
 
 
