@@ -41,10 +41,10 @@ TROUBLES = {  # name: arguments
     "start 10 deg off": ["--start-error", "0,10", "--duration", 120],
     "30 deg": ["--start-error", "0,30", "--duration", 120],
     "60 deg": ["--start-error", "0,60", "--duration", 120],
-    "0.5 m, told": ["--start-error", "0.5,0", "--sigma", "0.5,0.05", "--duration", 120],
-    "1 m, told": ["--start-error", "1,0", "--sigma", "1,0.05", "--duration", 120],
-    "30 deg, told": ["--start-error", "0,30", "--sigma", "0.1,0.52", "--duration", 120],
-    "60 deg, told": ["--start-error", "0,60", "--sigma", "0.1,1.05", "--duration", 120],
+    "0.5 m (told)": ["--start-error", "0.5,0", "--sigma", "0.5,0.05", "--duration", 120],
+    "1 m (told)": ["--start-error", "1,0", "--sigma", "1,0.05", "--duration", 120],
+    "30 deg (told)": ["--start-error", "0,30", "--sigma", "0.1,0.52", "--duration", 120],
+    "60 deg (told)": ["--start-error", "0,60", "--sigma", "0.1,1.05", "--duration", 120],
     "kidnapped by 2 m": ["--kidnap", "60,2", "--duration", 240],
     "clutter 5 %": ["--people", 1],
     "clutter 20 %": ["--people", 7],
@@ -217,6 +217,13 @@ def troubles_text(results):
     return text + ("\nPosition RMSE in m of the runs that were not lost:\n\n" + table(["filter", *clutter], rows) + "\n")
 
 
+def where_text(record):
+    keys = ("command", "date", "commit", "program", "compiler", "machine", "system")
+    rows = [(part, *[f"`{where[key]}`" if key == "command" else where[key] for key in keys])
+            for part, where in record["where"].items()]
+    return f"\n## Where and when\n\n{table(('part', *keys), rows)}\n\nBackend: {record['backend']}.\n"
+
+
 TEXTS = {"house": house_text, "speed": speed_text, "logs": logs_text, "troubles": troubles_text}
 
 
@@ -227,7 +234,7 @@ def page(record):
     for part, text_of in TEXTS.items():
         if part in record:
             text += text_of(record[part])
-    return text + "\n" + accuracy.circumstances_text(record)
+    return text + where_text(record)
 
 
 def run(args, program, work):
@@ -236,6 +243,8 @@ def run(args, program, work):
     os.environ["PARLOC_DATA"] = str(args.data)
     if not (args.data / "tb3_house" / "map_01.yaml").is_file():
         raise Failure(2, f"{args.data}/tb3_house: not found; give the folder of the maps and logs with --data or PARLOC_DATA")
+    here = accuracy.circumstances(program)  # before the first result changes a file
+    here["command"] = "tools/compare_filters.py " + " ".join(sys.argv[1:])
     for part in args.parts:
         def timed(name, arguments):
             result = compare(program, work, name, arguments)
@@ -243,8 +252,7 @@ def run(args, program, work):
             print(f"{part}: {name} done in {result['times']['wall_s']:.0f} s", file=sys.stderr, flush=True)
             return slim(result)
         record[part] = PARTS[part](args, timed)
-        record.update(accuracy.circumstances(program))
-        record["command"] = "tools/compare_filters.py " + " ".join(sys.argv[1:])
+        record.setdefault("where", {})[part] = here
         path.write_text(json.dumps(record, indent=1) + "\n")
         (args.out / "compare.md").write_text(page(record).rstrip() + "\n")
         print(path, file=sys.stderr)
