@@ -115,8 +115,9 @@ TEST_P(ShippedLog, HasAReferenceRowPerScan) {
   }
 }
 
-// Mirrored beams, a turned sensor, a half-cell shift or a flipped image would each put the scans off the
-// walls.
+// Share of the points on a wall, corridor and faculty: 0.973 and 0.959. Mirrored beams would make it 0.15 and
+// 0.04, a sensor turned by a degree 0.93 and 0.73, a map shifted by a cell 0.94 and 0.93; one shifted by half
+// a cell is not seen.
 TEST_P(ShippedLog, ScansLieOnTheWallsOfTheMap) {
   const std::string name = GetParam().name;
   const GridMap map = read_map("maps/" + name + ".yaml");
@@ -146,8 +147,8 @@ TEST_P(ShippedLog, ScansLieOnTheWallsOfTheMap) {
 }
 
 INSTANTIATE_TEST_SUITE_P(Maps, ShippedLog,
-                         ::testing::Values(Shipped{"malaga_corridor", 37, 0.0},
-                                           Shipped{"malaga_faculty", 225, 0.0}),
+                         ::testing::Values(Shipped{"malaga_corridor", 37, 0.96},
+                                           Shipped{"malaga_faculty", 225, 0.95}),
                          [](const auto& test) { return std::string(test.param.name); });
 
 }  // namespace
