@@ -17,8 +17,9 @@ import pathlib
 import statistics
 import sys
 
-import accuracy
-from accuracy import ROOT, wrap
+import measuring
+import track_errors
+from poses import compose, inverse
 
 BAR = {"particles": 1000, "error_ratio": 1.2, "step_ms": 1.5}
 RATES = {"off": None, "0.001 / 0.1 / 1": (0.001, 0.1, 1), "0.001 / 0.1 / 2": (0.001, 0.1, 2),
@@ -51,8 +52,8 @@ def recovery(rates):
 
 def localized(program, work, name, settings, seed, log, truth):
     path = work / f"{name}.yaml"
-    path.write_text(config_text(settings) + accuracy.FILTER_ALONE)
-    return accuracy.localize(program, work, name, ["--map", "maps/office.yaml", "--config", path, "--seed", seed, "--log", log,
+    path.write_text(config_text(settings) + track_errors.FILTER_ALONE)
+    return track_errors.localize(program, work, name, ["--map", "maps/office.yaml", "--config", path, "--seed", seed, "--log", log,
                                                    "--truth", truth])
 
 
@@ -68,16 +69,6 @@ def tracking_run(program, work, scene, name, settings, seed):
 
 
 # ---- Kidnapping --------------------------------------------------------------------------------------------------------
-
-
-def compose(a, b):
-    s, c = math.sin(a[2]), math.cos(a[2])
-    return a[0] + c * b[0] - s * b[1], a[1] + s * b[0] + c * b[1], wrap(a[2] + b[2])
-
-
-def inverse(a):
-    s, c = math.sin(a[2]), math.cos(a[2])
-    return -c * a[0] - s * a[1], s * a[0] - c * a[1], -a[2]
 
 
 def carry_off(log, truth, cut_s, to):
@@ -144,7 +135,7 @@ def tracking_table(record, scene, variants):
                      f"{100 * mean(runs, 'injected'):.2f} %"])
     header = ("particles", "mean number", "RMSE [cm]", "over that of 4000", "worst error [cm]", "heading RMSE [deg]", "NEES",
               "median step [ms]", "injected")
-    return accuracy.table(header, rows)
+    return measuring.table(header, rows)
 
 
 def people_table(record):
@@ -156,7 +147,7 @@ def people_table(record):
             rows.append([model, name, f"{sum(r['rmse_cm'] < 2 * clean for r in runs)} of {len(runs)}",
                          f"{statistics.median(r['rmse_cm'] for r in runs):.1f}", f"{max(r['max_cm'] for r in runs):.0f}",
                          f"{statistics.fmean(r['particles']['mean'] for r in runs):.0f}", f"{100 * mean(runs, 'injected'):.2f} %"])
-    return accuracy.table(("model", "rates", "tracked", "median RMSE [cm]", "worst error [cm]", "mean number", "injected"), rows)
+    return measuring.table(("model", "rates", "tracked", "median RMSE [cm]", "worst error [cm]", "mean number", "injected"), rows)
 
 
 def kidnapping_table(record):
@@ -166,7 +157,7 @@ def kidnapping_table(record):
         times = [r["found_s"] for r in runs if r["found_s"] is not None]
         rows.append([name, *(f"{sum(t <= s for t in times)} of {len(runs)}" for s in (5, 15, AFTER_S - HELD_S)),
                      f"{statistics.median(times):.1f}" if times else "-"])
-    return accuracy.table(("model and rates", "found in 5 s", "in 15 s", f"in {AFTER_S - HELD_S:.0f} s", "median of those found [s]"), rows)
+    return measuring.table(("model and rates", "found in 5 s", "in 15 s", f"in {AFTER_S - HELD_S:.0f} s", "median of those found [s]"), rows)
 
 
 def judge(record):
@@ -218,21 +209,17 @@ to such a model where there are people.
 nothing had happened. 100 to 20,000 particles. Found: within {FOUND_M} m and 10 degrees of the truth, from then to the end of the log,
 {HELD_S:.0f} s later or more.
 
-{accuracy.circumstances_text(record)}
+{measuring.circumstances_text(record)}
 | load | {load[0]:.1f} before, {load[1]:.1f} after (processes that wanted to run, of which one was this; {os.cpu_count()} cores) |
 """
 
 
 def parse_arguments():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("--seeds", type=accuracy.positive, default=5, metavar="N", help="seeds 1 to N of tracking (5)")
-    parser.add_argument("--trials", type=accuracy.positive, default=20, metavar="N", help="kidnappings (20)")
-    parser.add_argument("--jobs", type=accuracy.positive, default=1, metavar="K", help="runs at a time (1)")
-    parser.add_argument("--out", type=pathlib.Path, default=accuracy.OUT, metavar="DIR", help="folder for the page (docs/results)")
-    parser.add_argument("--parloc", default=ROOT / "build/cpu/parloc", metavar="FILE", help="the program (build/cpu/parloc)")
-    args = parser.parse_args()
-    args.out, args.parloc = args.out.absolute(), pathlib.Path(args.parloc).absolute()
-    return args
+    parser.add_argument("--seeds", type=measuring.positive, default=5, metavar="N", help="seeds 1 to N of tracking (5)")
+    parser.add_argument("--trials", type=measuring.positive, default=20, metavar="N", help="kidnappings (20)")
+    measuring.add_arguments(parser)
+    return measuring.parse(parser)
 
 
 def tasks_of(args, program, work):
@@ -257,12 +244,11 @@ def tasks_of(args, program, work):
 
 def run(args, program, work):
     load = [os.getloadavg()[0]]
-    where = accuracy.circumstances(program)
-    where["command"] = " ".join(["tools/amcl.py", *sys.argv[1:]])
+    where = measuring.circumstances(program)
     for scene, scenario in SCENES.items():
         for seed in range(1, args.seeds + 1):
             program("simulate", "--scenario", scenario, "--seed", seed, "--out", work / f"{scene}_{seed}", "--quiet")
-    results, end = accuracy.measure(
+    results, end = measuring.measure(
         program, args.jobs, tasks_of(args, program, work),
         lambda key, r: f"{key}: " + (f"{r['rmse_cm']:.2f} cm" if "rmse_cm" in r else f"found after {r['found_s']} s"))
     if end:
@@ -270,13 +256,13 @@ def run(args, program, work):
     runs = list(results.values())
     record = {"partial": False, **where, "backend": runs[0]["backend"], "load": [*load, os.getloadavg()[0]], "bar": BAR, "runs": runs}
     record["within_bar"] = all(judge(record)[key] <= BAR[key] for key in BAR)
-    accuracy.write_results(args.out, "amcl", record, page(record))
+    measuring.write_results(args.out, "amcl", record, page(record))
     return 0 if record["within_bar"] else 1
 
 
 def main():
     args = parse_arguments()
-    return accuracy.run_tool("amcl", args, run)
+    return measuring.run_tool("amcl", args, run)
 
 
 if __name__ == "__main__":

@@ -20,7 +20,6 @@ import pathlib
 import re
 import resource
 import shutil
-import signal
 import statistics
 import subprocess
 import sys
@@ -28,9 +27,10 @@ import tempfile
 import time
 from dataclasses import dataclass
 
-from accuracy import (OUT, PAPER_MAP, PAPER_SCENARIO, ROOT, Failure, Program, Truth, circumstances, interrupt, positive,
-                      read_tum, table, write_results)
 import mrpt_files as mrpt
+from accuracy import PAPER_MAP, PAPER_SCENARIO
+from measuring import OUT, ROOT, Failure, circumstances, parse, positive, program_and_folder, reported, table, write_results
+from track_errors import Truth, read_tum
 
 SIGMA_M = 0.1  # of all models
 START_SIGMA_M, START_SIGMA_RAD = 0.05, 0.03
@@ -420,14 +420,11 @@ def parse_arguments():
     parser.add_argument("--parloc", type=pathlib.Path, default=ROOT / "build/cpu/parloc", metavar="FILE",
                         help="the program (build/cpu/parloc)")
     parser.add_argument("--pf-localization", default="pf-localization", metavar="FILE", help="MRPT's program (found by PATH)")
-    args = parser.parse_args()
+    args = parse(parser)
     if len({args.map is None, args.log is None, args.truth is None}) > 1:
         parser.error("--map, --log and --truth belong together")
     if args.scans < 10 or args.beams < 2:
         parser.error("expected at least 10 --scans and 2 --beams")
-    for name in ("map", "log", "truth", "out", "keep", "parloc"):  # the programs run in the repository's folder
-        if value := getattr(args, name):
-            setattr(args, name, value.absolute())
     return args
 
 
@@ -435,12 +432,8 @@ def compare(args, work):
     if not (found := shutil.which(args.pf_localization)):
         raise Failure(2, f"{args.pf_localization}: not found, it is a program of MRPT: apt-get install mrpt-apps")
     args.pf_localization = found
-    program = Program(args.parloc)
-    args.out.mkdir(parents=True, exist_ok=True)
-    if not os.access(args.out, os.W_OK):
-        raise Failure(2, f"{args.out}: expected a folder that can be written")
-    facts = {**circumstances(program), "command": " ".join(["tools/compare_mrpt.py", *sys.argv[1:]]),
-             "load": f"{os.getloadavg()[0]:.1f} in the minute before"}
+    program = program_and_folder(args)
+    facts = {**circumstances(program), "load": f"{os.getloadavg()[0]:.1f} in the minute before"}
     drive = read_drive(args, program, work)
     write_inputs(drive, args.particles, work)
     rounds, end = measure(args, drive, work)
@@ -460,22 +453,14 @@ def compare(args, work):
 
 def main():
     args = parse_arguments()
-    signal.signal(signal.SIGTERM, interrupt)
-    try:
+
+    def work():
         if args.keep:
             args.keep.mkdir(parents=True, exist_ok=True)
             return compare(args, args.keep)
-        with tempfile.TemporaryDirectory(prefix="parloc_mrpt_") as work:
-            return compare(args, pathlib.Path(work))
-    except Failure as failure:
-        print(f"compare_mrpt.py: {failure}", file=sys.stderr)
-        return failure.code
-    except KeyboardInterrupt:
-        print("compare_mrpt.py: interrupted", file=sys.stderr)
-        return 130
-    except OSError as error:
-        print(f"compare_mrpt.py: {error}", file=sys.stderr)
-        return 2
+        with tempfile.TemporaryDirectory(prefix="parloc_mrpt_") as folder:
+            return compare(args, pathlib.Path(folder))
+    return reported("compare_mrpt", work)
 
 
 if __name__ == "__main__":

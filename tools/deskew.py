@@ -11,13 +11,13 @@ Exit code: 0 the bar kept, 1 missed, 2 wrong usage or a missing file, 3 a run of
 
 import argparse
 import math
-import pathlib
 import re
 import statistics
 import sys
 
-import accuracy
-from accuracy import ROOT
+import measuring
+import track_errors
+from measuring import ROOT
 
 SCAN_TIME_S = 0.1
 STAMPS = ("first", "middle", "last")
@@ -41,7 +41,7 @@ def scenario_text(path, scan_time_s, stamp_at):
 def config_text(path, scan_time_s, stamp_at):
     text = (ROOT / path).read_text() if path else ""
     text = re.sub(r"^lidars:\n(?:[ #].*\n|\n)*", "", text, flags=re.MULTILINE)
-    return f"{text}\nlidars:\n  robotlaser1: {{scan_time: {scan_time_s}, stamp_at: {stamp_at}}}\n{accuracy.FILTER_ALONE}"
+    return f"{text}\nlidars:\n  robotlaser1: {{scan_time: {scan_time_s}, stamp_at: {stamp_at}}}\n{track_errors.FILTER_ALONE}"
 
 
 def errors_of(program, work, name, scene, seed, log, told_s, stamp_at):
@@ -50,13 +50,13 @@ def errors_of(program, work, name, scene, seed, log, told_s, stamp_at):
     config_path = work / f"{name}.yaml"
     config_path.write_text(config_text(config, told_s, stamp_at))
     localization_map = re.search(r"^localization_map: \.\./(\S+)", (ROOT / scenario).read_text(), re.MULTILINE)[1]
-    metrics, errors, truth = accuracy.localize(program, work, name, [
+    metrics, errors, truth = track_errors.localize(program, work, name, [
         "--map", localization_map, "--config", config_path, "--seed", seed, "--log", log / "scans.log",
         "--truth", log / "truth.tum"])
     if turning_only:
         errors = [e for e in errors if abs(truth.yaw_rate(e[0]) or 0.0) > TURNING_RAD_S]
-    return {"heading_deg": math.degrees(accuracy.rms([e[2] for e in errors])),
-            "position_m": accuracy.rms([e[1] for e in errors]), "scans": len(errors), "digest": metrics["digest"],
+    return {"heading_deg": math.degrees(track_errors.rms([e[2] for e in errors])),
+            "position_m": track_errors.rms([e[1] for e in errors]), "scans": len(errors), "digest": metrics["digest"],
             "backend": metrics["backend"]}
 
 
@@ -102,7 +102,7 @@ def scene_table(runs, scene):
             shares = [f"{100 * share:.0f} %", f"{100 * worst:.0f} %"] if costs > 0.25 else ["-", "-"]
             rows.append([stamp_at, unit, *(f"{factor * m:.2f}" for m in means), *shares])
     header = ("stamp at beam", "RMSE of", "instant scans", "0.1 s, ignored", "0.1 s, deskewed", "removed", "worst seed")
-    return accuracy.table(header, rows)
+    return measuring.table(header, rows)
 
 
 def page(record):
@@ -139,25 +139,21 @@ per scan. All scans count.
 - With the stamp at the first or last beam, ignoring the scan time turns the whole scan by half of what the robot turns meanwhile: most
   of the error is an offset, which the stamp of the middle beam would not have. What is left there is the blur.
 
-{accuracy.circumstances_text(record)}
+{measuring.circumstances_text(record)}
 """
 
 
 def parse_arguments():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("--seeds", type=accuracy.positive, default=20, metavar="N", help="seeds 1 to N (20); of the office a quarter")
-    parser.add_argument("--jobs", type=accuracy.positive, default=1, metavar="K", help="seeds at a time (1)")
-    parser.add_argument("--out", type=pathlib.Path, default=accuracy.OUT, metavar="DIR", help="folder for the page (docs/results)")
-    parser.add_argument("--parloc", default=ROOT / "build/cpu/parloc", metavar="FILE", help="the program (build/cpu/parloc)")
-    args = parser.parse_args()
-    args.out, args.parloc = args.out.absolute(), pathlib.Path(args.parloc).absolute()
-    return args
+    parser.add_argument("--seeds", type=measuring.positive, default=20, metavar="N", help="seeds 1 to N (20); of the office a quarter")
+    measuring.add_arguments(parser, jobs="seeds at a time")
+    return measuring.parse(parser)
 
 
 def run(args, program, work):
     keys = [("spin", s) for s in range(1, args.seeds + 1)] + [("office", s) for s in range(1, max(1, args.seeds // 4) + 1)]
     tasks = [(key, lambda key=key: one_seed(program, work, *key)) for key in keys]
-    results, end = accuracy.measure(
+    results, end = measuring.measure(
         program, args.jobs, tasks,
         lambda key, r: f"{key[0]}, seed {key[1]}: heading {r['instant']['heading_deg']:.2f}, ignored "
                        f"{r['first']['ignored']['heading_deg']:.2f}, deskewed {r['first']['deskewed']['heading_deg']:.2f} deg")
@@ -166,16 +162,15 @@ def run(args, program, work):
     runs = list(results.values())
     within = all(summary(runs, "spin", stamp_at, key)[1] >= BAR
                  for stamp_at in STAMPS for key in ("heading_deg", "position_m"))
-    where = accuracy.circumstances(program)
-    where["command"] = " ".join(["tools/deskew.py", *sys.argv[1:]])
-    record = {"partial": False, **where, "backend": runs[0]["instant"]["backend"], "bar": BAR, "within_bar": within, "runs": runs}
-    accuracy.write_results(args.out, "deskew", record, page(record))
+    record = {"partial": False, **measuring.circumstances(program), "backend": runs[0]["instant"]["backend"], "bar": BAR,
+              "within_bar": within, "runs": runs}
+    measuring.write_results(args.out, "deskew", record, page(record))
     return 0 if within else 1
 
 
 def main():
     args = parse_arguments()
-    return accuracy.run_tool("deskew", args, run)
+    return measuring.run_tool("deskew", args, run)
 
 
 if __name__ == "__main__":

@@ -12,6 +12,7 @@ import pathlib
 import sys
 
 from make_maps import COARSE_M, OCCUPIED, UNKNOWN, write_png
+from poses import compose, inverse
 
 SCALE = 3  # pixels per cell
 INK = {OCCUPIED: (60, 60, 60), UNKNOWN: (205, 205, 205)}
@@ -36,16 +37,6 @@ class Picture:
                 inside = (r + 0.5 - row) ** 2 + (c + 0.5 - column) ** 2 <= radius ** 2
                 if inside and 0 <= r < len(self.rows) and 0 <= c < self.width * SCALE:
                     self.rows[r][3 * c:3 * c + 3] = bytes(colour)
-
-
-def compose(a, b):
-    c, s = math.cos(a[2]), math.sin(a[2])
-    return a[0] + c * b[0] - s * b[1], a[1] + s * b[0] + c * b[1], a[2] + b[2]
-
-
-def inverse(a):
-    c, s = math.cos(a[2]), math.sin(a[2])
-    return -c * a[0] - s * a[1], s * a[0] - c * a[1], -a[2]
 
 
 def read_truth(path):

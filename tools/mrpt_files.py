@@ -10,7 +10,8 @@ import re
 import struct
 from dataclasses import dataclass
 
-from accuracy import Failure, wrap
+from measuring import Failure
+from poses import wrap
 
 FREE, OCCUPIED, UNKNOWN = 0, 1, 2
 MARGIN_CELLS = 16

@@ -11,11 +11,11 @@ Needs Python 3.10 and a built program, nothing else; runs are deterministic. Exi
 
 import argparse
 import math
-import pathlib
 import sys
 
-import accuracy
-from accuracy import table
+import measuring
+import track_errors
+from measuring import table
 
 OFFICE = ("configs/office_scenario.yaml", "maps/office.yaml")
 CLUTTER = ("configs/office_clutter_scenario.yaml", "maps/office.yaml")
@@ -55,14 +55,14 @@ class Bench:
         log = self.work / f"{scene}_{seed}"
         name = f"{scene}_{seed}_{label}".replace(" ", "_").replace(",", "")
         config = self.work / f"{name}.yaml"
-        config.write_text(sensor_yaml(settings) + accuracy.FILTER_ALONE)
-        metrics, _, _ = accuracy.localize(self.program, self.work, name, [
+        config.write_text(sensor_yaml(settings) + track_errors.FILTER_ALONE)
+        metrics, _, _ = track_errors.localize(self.program, self.work, name, [
             "--map", SCENES[scene][1], "--log", log / "scans.log", "--truth", log / "truth.tum", "--config", config,
             "--seed", seed])
         nees = metrics["nees"]
         return {"scene": scene, "seed": seed, "model": label, "settings": settings,
                 "effective_beams": metrics["config"]["sensor"]["effective_beams"],
-                **accuracy.common_values(metrics), "nees_mean": nees["mean"], "nees_median": nees["median"],
+                **track_errors.common_values(metrics), "nees_mean": nees["mean"], "nees_median": nees["median"],
                 "nees_within_95": nees["within_95"], "nees_x": nees["x_mean"], "nees_y": nees["y_mean"],
                 "nees_heading": nees["heading_mean"], "backend": metrics["backend"], "config": metrics["config"]}
 
@@ -144,7 +144,7 @@ def nees(args, program, work):
                 tasks += [((scene, model, beams, seed), lambda s=scene, k=seed, m=model, b=beams: {
                     **bench.run(s, k, f"{m}_{b}", {"model": m, "effective_beams": b}), "model": m, "sweep": True})
                     for beams in numbers]
-    results, end = accuracy.measure(program, args.jobs, tasks, lambda key, run: (
+    results, end = measuring.measure(program, args.jobs, tasks, lambda key, run: (
         f"{key}: NEES {number(run['nees_mean'])}, RMSE {100 * run['rmse_m']:.1f} cm"))
     low, high = (bound / seeds for bound in CHI_SQUARE[seeds])
 
@@ -153,12 +153,12 @@ def nees(args, program, work):
         swept = [run for run in record["runs"] if run.get("sweep")]
         keys = lambda runs: sorted({(r["scene"], r["model"], r["effective_beams"]) for r in runs},
                                    key=lambda k: (-ord(k[0][0]), MODELS.index(k[1]), k[2]))
-        return accuracy.first_lines("Whether the covariance says how far off the filter is (NEES)", record) + NEES_TEXT.format(
+        return measuring.first_lines("Whether the covariance says how far off the filter is (NEES)", record) + NEES_TEXT.format(
             seeds=seeds, sweep_seeds=sweep_seeds, low=low, high=high,
             defaults=table(NEES_HEADER, nees_rows(own, keys(own), seeds)),
-            sweep=table(NEES_HEADER, nees_rows(swept, keys(swept), seeds))) + "\n" + accuracy.circumstances_text(record)
+            sweep=table(NEES_HEADER, nees_rows(swept, keys(swept), seeds))) + "\n" + measuring.circumstances_text(record)
 
-    return accuracy.finish(args, "nees", circumstances(program), len(tasks), results, end, page)
+    return measuring.finish(args, "nees", measuring.circumstances(program), len(tasks), results, end, page)
 
 
 # ---- clutter -------------------------------------------------------------------------------------------------------------
@@ -195,7 +195,7 @@ def clutter(args, program, work):
         shares[seed] = bench.simulate("clutter", seed)
     tasks = [((model, scene, seed), lambda m=model, s=scene, k=seed: bench.run(s, k, m, settings_of(m)))
              for model in CLUTTER_MODELS for seed in seeds for scene in ("office", "clutter")]
-    results, end = accuracy.measure(program, args.jobs, tasks, lambda key, run: (
+    results, end = measuring.measure(program, args.jobs, tasks, lambda key, run: (
         f"{key[0]}, {key[1]}, seed {key[2]}: RMSE {100 * run['rmse_m']:.1f} cm, maximum {run['max_m']:.2f} m"))
     for (model, scene, seed), run in results.items():
         run["clutter_share_percent"] = shares[seed] if scene == "clutter" else 0.0
@@ -222,18 +222,14 @@ def clutter(args, program, work):
             cells = [f"{100 * runs[m, 'clutter', seed]['rmse_m']:.1f} ({100 * runs[m, 'office', seed]['rmse_m']:.1f})"
                      if {(m, "clutter", seed), (m, "office", seed)} <= runs.keys() else "" for m in CLUTTER_MODELS]
             every.append((str(seed), f"{shares[seed]:.1f} %", *cells))
-        return accuracy.first_lines("Among people and boxes that are not on the map", record) + CLUTTER_TEXT.format(
+        return measuring.first_lines("Among people and boxes that are not on the map", record) + CLUTTER_TEXT.format(
             scenario="../../" + CLUTTER[0], seeds=len(shares), bar=CLUTTER_BAR, plain=PLAIN, share_low=min(shares.values()),
             share_high=max(shares.values()),
             summary=table(("model", "tracked", "mean RMSE, clean", "median RMSE", "worst RMSE", "largest error",
                            "worst, times clean"), summary),
-            every=table(("seed", "share", *CLUTTER_MODELS), every)) + "\n" + accuracy.circumstances_text(record)
+            every=table(("seed", "share", *CLUTTER_MODELS), every)) + "\n" + measuring.circumstances_text(record)
 
-    return accuracy.finish(args, "clutter", circumstances(program), len(tasks), results, end, page)
-
-
-def circumstances(program):
-    return {**accuracy.circumstances(program), "command": " ".join(["tools/sensor_models.py", *sys.argv[1:]])}
+    return measuring.finish(args, "clutter", measuring.circumstances(program), len(tasks), results, end, page)
 
 
 # ---- Command line ----------------------------------------------------------------------------------------------------------
@@ -246,24 +242,18 @@ def parse_arguments():
         command = commands.add_parser(run.__name__, help=text, description=text)
         command.set_defaults(run=run, sweep_seeds=0)
         choices = {"choices": sorted(CHI_SQUARE)} if run is nees else {}
-        command.add_argument("--seeds", type=accuracy.positive, default=seeds, metavar="N", help=f"seeds 1 to N ({seeds})",
+        command.add_argument("--seeds", type=measuring.positive, default=seeds, metavar="N", help=f"seeds 1 to N ({seeds})",
                              **choices)
         if run is nees:
-            command.add_argument("--sweep-seeds", type=accuracy.positive, default=2, metavar="N",
+            command.add_argument("--sweep-seeds", type=measuring.positive, default=2, metavar="N",
                                  help="seeds of the table of effective beams (2)")
-        command.add_argument("--jobs", type=accuracy.positive, default=1, metavar="K", help="runs at a time (1)")
-        command.add_argument("--out", type=pathlib.Path, default=accuracy.OUT, metavar="DIR",
-                             help="folder for the page (docs/results)")
-        command.add_argument("--parloc", default=accuracy.ROOT / "build/cpu/parloc", metavar="FILE",
-                             help="the program (build/cpu/parloc)")
-    args = parser.parse_args()
-    args.out, args.parloc = args.out.absolute(), pathlib.Path(args.parloc).absolute()
-    return args
+        measuring.add_arguments(command)
+    return measuring.parse(parser)
 
 
 def main():
     args = parse_arguments()
-    return accuracy.run_tool("sensor_models", args, args.run)
+    return measuring.run_tool("sensor_models", args, args.run)
 
 
 if __name__ == "__main__":

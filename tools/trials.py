@@ -10,12 +10,11 @@ interrupted: rows that are finished are written in any case.
 
 import argparse
 import json
-import os
 import pathlib
 import sys
 
-import accuracy
-from accuracy import DATA, ROOT
+import measuring
+from measuring import DATA, ROOT
 
 OFFICE, WORKS = "configs/office_scenario.yaml", "configs/works_scenario.yaml"
 SCENES = {  # row: arguments, trials; real logs: folder, map
@@ -82,15 +81,12 @@ def parse_arguments():
     parser.add_argument("--share", type=float, default=1.0, metavar="S", help="share of the trials, above 0 and at most 1 (1)")
     parser.add_argument("--only", nargs="+", choices=[*SCENES, *LOGS], default=[*SCENES, *LOGS], metavar="ROW",
                         help=f"these of {', '.join([*SCENES, *LOGS])}")
-    parser.add_argument("--jobs", type=accuracy.positive, default=os.cpu_count(), metavar="K", help="trials at a time (all cores)")
-    parser.add_argument("--out", type=pathlib.Path, default=accuracy.OUT, metavar="DIR", help="folder for evaluate.json (docs/results)")
+    measuring.add_arguments(parser, jobs="trials at a time", all_cores=True)
     parser.add_argument("--samples", type=pathlib.Path, metavar="DIR", help="keep every scan's values here (ROW.csv)")
-    parser.add_argument("--parloc", default=ROOT / "build/cpu/parloc", metavar="FILE", help="the program (build/cpu/parloc)")
     parser.add_argument("--data", type=pathlib.Path, default=DATA, metavar="DIR", help="real logs (PARLOC_DATA, else ../shared/data)")
-    args = parser.parse_args()
+    args = measuring.parse(parser)
     if not 0.0 < args.share <= 1.0:
         parser.error("--share: expected more than 0 and at most 1")
-    args.out, args.parloc = args.out.absolute(), pathlib.Path(args.parloc).absolute()
     return args
 
 
@@ -120,7 +116,6 @@ def evaluate(args, program, work, name, arguments):
 
 def run(args, program, work):
     if args.samples:
-        args.samples = args.samples.absolute()
         args.samples.mkdir(parents=True, exist_ok=True)
     path, results, kept = args.out / "evaluate.json", {}, True
     if path.exists() and len(args.only) < len(SCENES) + len(LOGS):
@@ -141,7 +136,7 @@ def run(args, program, work):
 
 def main():
     args = parse_arguments()
-    return accuracy.run_tool("trials", args, run)
+    return measuring.run_tool("trials", args, run)
 
 
 if __name__ == "__main__":

@@ -1,11 +1,33 @@
 #include "common/filter/map_frame.h"
 
+#include <algorithm>
 #include <cmath>
 #include <string>
 
 #include "common/error.h"
 
 namespace parloc {
+
+std::vector<Particle> in_map_frame(const ParticleSet& set, const Pose& T, std::size_t most) {
+  const SinCos64 r = portable_sincos64(T.theta_rad);  // once: there may be a million
+  const std::size_t count = set.x.size(), kept = std::min(count, most);
+  double total = 0.0;
+  for (const float log_weight : set.log_weight) total += portable_exp(log_weight);
+  std::vector<Particle> out(kept);
+  for (std::size_t k = 0; k < kept; ++k) {
+    const std::size_t i = k * count / kept;
+    out[k].x_m = static_cast<float>(T.x_m + r.cos * set.x[i] - r.sin * set.y[i]);
+    out[k].y_m = static_cast<float>(T.y_m + r.sin * set.x[i] + r.cos * set.y[i]);
+    out[k].theta_rad = static_cast<float>(wrap64(T.theta_rad + set.theta[i]));
+    out[k].weight = static_cast<float>(portable_exp(set.log_weight[i]) / total);
+  }
+  return out;
+}
+
+void check_has_free_cell(const GridMap& map) {
+  if (std::none_of(map.cells.begin(), map.cells.end(), [](Cell c) { return c == Cell::free; }))
+    throw Error(ErrorKind::input, map.name + ": the map has no free cell");
+}
 
 void check_start(const GridMap& map, const Pose& pose, double sigma_x_m, double sigma_y_m,
                  double sigma_theta_rad) {

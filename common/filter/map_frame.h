@@ -1,6 +1,10 @@
-// Estimates of the grid frame as a user sees them, in the map frame.
+// Estimates and particles of the grid frame as a user sees them, in the map frame; and what is wrong with a
+// start.
 #pragma once
 
+#include <vector>
+
+#include "common/filter/backend.h"
 #include "common/filter/particle_filter.h"
 #include "common/filter/stages.h"
 #include "common/map/grid_map.h"
@@ -29,6 +33,11 @@ inline PoseEstimate in_map_frame(const Moments& m, const Pose& T_map_grid) {
   return e;
 }
 
+/// At most `most` of them, evenly by slot; weights are shares of all.
+std::vector<Particle> in_map_frame(const ParticleSet& set, const Pose& T_map_grid, std::size_t most);
+
+/// Throws Error{input} unless there is one.
+void check_has_free_cell(const GridMap& map);
 /// Throws Error{input} unless the pose is finite and inside the map, and the standard deviations are finite
 /// and not negative.
 void check_start(const GridMap& map, const Pose& pose_in_map, double sigma_x_m, double sigma_y_m,

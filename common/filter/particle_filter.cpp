@@ -8,23 +8,17 @@
 #include "common/error.h"
 #include "common/filter/backend.h"
 #include "common/filter/map_frame.h"
+#include "common/filter/run_digest.h"
 #include "common/filter/scan_intake.h"
 #include "common/filter/start.h"
 #include "common/io/config.h"
 #include "common/math/portable64.h"
-#include "common/math/sha256.h"
 
 namespace parloc {
 namespace {
 
 bool finite(const Pose& p) {
   return std::isfinite(p.x_m) && std::isfinite(p.y_m) && std::isfinite(p.theta_rad);
-}
-
-bool has_free_cell(const GridMap& map) {
-  for (const Cell c : map.cells)
-    if (c == Cell::free) return true;
-  return false;
 }
 
 constexpr double kHeadingUndefined = 1e-3;  // resultant below which a circular mean means nothing (SPEC 4)
@@ -73,7 +67,7 @@ struct ParticleFilter::State {
   int unlikely_scans = 0;  // in a row, up to the last one
   int widenings_due = 0;   // in units of the configured noise, in the next step
   bool started = false;
-  Sha256 estimates;
+  RunDigest digest;
 
   RandomKey key() const { return {config.seed, static_cast<std::uint32_t>(steps)}; }
   void begin(ParticleSet set);
@@ -95,7 +89,7 @@ void ParticleFilter::State::begin(ParticleSet set) {
   last = {};
   jumps = invalid = steps = 0;
   unlikely_scans = widenings_due = 0;
-  estimates = {};
+  digest = {};
   started = true;
 }
 
@@ -157,8 +151,7 @@ bool ParticleFilter::State::take_in(const Scan& scan, std::size_t lidar) {
 }
 
 void ParticleFilter::State::remember(const Estimate& e) {
-  for (const double v : {e.pose.x_m, e.pose.y_m, e.pose.theta_rad, e.n_eff}) estimates.add(v);
-  for (const double v : e.covariance.v) estimates.add(v);
+  digest.add(e);
   if (e.weighted) watch_likelihood(e);
   last = e;
 }
@@ -166,7 +159,7 @@ void ParticleFilter::State::remember(const Estimate& e) {
 ParticleFilter::ParticleFilter(const FilterConfig& config, const GridMap& map)
     : state_(std::make_unique<State>(config)) {
   validate(config);
-  if (!has_free_cell(map)) throw Error(ErrorKind::input, map.name + ": the map has no free cell");
+  check_has_free_cell(map);
   state_->map = map;
   std::string why;
   state_->backend = make_backend(config.backend,
@@ -267,21 +260,7 @@ Estimate ParticleFilter::step(const Pose& odometry, const Scan& scan) {
 }
 
 std::vector<Particle> ParticleFilter::particles(std::size_t most) const {
-  const ParticleSet set = state_->backend->download();
-  const std::size_t count = set.x.size(), kept = std::min(count, most);
-  const SinCos64 r = portable_sincos64(state_->map.T_map_grid.theta_rad);
-  const Pose& T = state_->map.T_map_grid;
-  double total = 0.0;
-  for (const float log_weight : set.log_weight) total += portable_exp(log_weight);
-  std::vector<Particle> out(kept);
-  for (std::size_t k = 0; k < kept; ++k) {
-    const std::size_t i = k * count / kept;
-    out[k].x_m = static_cast<float>(T.x_m + r.cos * set.x[i] - r.sin * set.y[i]);
-    out[k].y_m = static_cast<float>(T.y_m + r.sin * set.x[i] + r.cos * set.y[i]);
-    out[k].theta_rad = static_cast<float>(wrap64(T.theta_rad + set.theta[i]));
-    out[k].weight = static_cast<float>(portable_exp(set.log_weight[i]) / total);
-  }
-  return out;
+  return in_map_frame(state_->backend->download(), state_->map.T_map_grid, most);
 }
 
 const BeamTable& ParticleFilter::last_beams() const {
@@ -331,11 +310,7 @@ const GridMap& ParticleFilter::map() const {
 }
 
 std::string ParticleFilter::digest() const {
-  Sha256 sha = state_->estimates;
-  const ParticleSet set = state_->backend->download();
-  for (const auto* values : {&set.x, &set.y, &set.theta, &set.log_weight})
-    for (const float v : *values) sha.add(v);
-  return sha.hex();
+  return state_->digest.hex_with(state_->backend->download());
 }
 
 }  // namespace parloc

@@ -6,12 +6,12 @@
 
 #include "common/error.h"
 #include "common/filter/map_frame.h"
+#include "common/filter/run_digest.h"
 #include "common/filter/scan_intake.h"
 #include "common/filter/start.h"
 #include "common/flow/flow_backend.h"
 #include "common/flow/mean_update.h"
 #include "common/io/config.h"
-#include "common/math/sha256.h"
 
 namespace parloc {
 namespace {
@@ -88,7 +88,7 @@ struct FlowFilter::State {
   FlowSkip skip = FlowSkip::no_scan;
   std::size_t jumps = 0, invalid = 0, stiff = 0, steps = 0;
   bool started = false;
-  Sha256 estimates;
+  RunDigest digest;
 
   std::int64_t particles() const { return is_kalman(method) ? 0 : config.most_particles(); }
   MotionStep motion(const Pose& now);
@@ -129,16 +129,14 @@ void FlowFilter::State::remember(const FlowState& s, const Estimate& e) {
                      (method == FlowMethod::edh && config.flow.integrator == FlowIntegrator::automatic);
   const bool steps_lag = !is_kalman(method) && method != FlowMethod::naedh && method != FlowMethod::gromov;
   stiff += euler && steps_lag && s.skip == FlowSkip::none && s.stiffness > kStiff ? 1 : 0;
-  for (const double v : {e.pose.x_m, e.pose.y_m, e.pose.theta_rad, e.n_eff}) estimates.add(v);
-  for (const double v : e.covariance.v) estimates.add(v);
+  digest.add(e);
   last = e;
 }
 
 FlowFilter::FlowFilter(FlowMethod method, const FilterConfig& config, const GridMap& map)
     : state_(std::make_unique<State>(method, config)) {
   validate(config);
-  if (std::none_of(map.cells.begin(), map.cells.end(), [](Cell c) { return c == Cell::free; }))
-    throw Error(ErrorKind::input, map.name + ": the map has no free cell");
+  check_has_free_cell(map);
   State& s = *state_;
   s.map = map;
   std::string why;
@@ -163,7 +161,7 @@ void FlowFilter::start_at(const Pose& pose, double sigma_x_m, double sigma_y_m, 
   s.last.pose = pose;
   s.skip = FlowSkip::no_scan;
   s.jumps = s.invalid = s.stiff = s.steps = 0;
-  s.estimates = {};
+  s.digest = {};
   s.started = true;
 }
 
@@ -203,18 +201,7 @@ std::string FlowFilter::why_skipped() const {
 }
 
 std::vector<Particle> FlowFilter::particles(std::size_t most) const {
-  const ParticleSet set = state_->backend->download();
-  const std::size_t count = set.x.size(), kept = std::min(count, most);
-  double total = 0.0;
-  for (const float log_weight : set.log_weight) total += portable_exp(log_weight);
-  std::vector<Particle> out(kept);
-  for (std::size_t k = 0; k < kept; ++k) {
-    const std::size_t i = k * count / kept;
-    const Pose p = compose(state_->map.T_map_grid, {set.x[i], set.y[i], set.theta[i]});
-    out[k] = {static_cast<float>(p.x_m), static_cast<float>(p.y_m), static_cast<float>(p.theta_rad),
-              static_cast<float>(portable_exp(set.log_weight[i]) / total)};
-  }
-  return out;
+  return in_map_frame(state_->backend->download(), state_->map.T_map_grid, most);
 }
 
 BeamCounts FlowFilter::beam_counts() const {
@@ -246,11 +233,7 @@ const GridMap& FlowFilter::map() const {
 }
 
 std::string FlowFilter::digest() const {
-  Sha256 sha = state_->estimates;
-  const ParticleSet set = state_->backend->download();
-  for (const auto* values : {&set.x, &set.y, &set.theta, &set.log_weight})
-    for (const float v : *values) sha.add(v);
-  return sha.hex();
+  return state_->digest.hex_with(state_->backend->download());
 }
 
 }  // namespace parloc

@@ -6,43 +6,19 @@
 // motion and starts near where the one before began. Wall clock.
 #include <benchmark/benchmark.h>
 
-#include <chrono>
 #include <string>
 
-#include "common/error.h"
-#include "common/eval/simulator.h"
-#include "common/filter/backend.h"
 #include "common/flow/flow_filter.h"
-#include "common/map/map_reader.h"
 #include "common/model/beams.h"
+#include "tests/bench/bench_hall.h"
 
 namespace {
 
 using namespace parloc;
+using namespace parloc::bench;
 
-const std::string kRoot = std::string(PARLOC_SOURCE_DIR) + "/";
-
-struct Place {
-  GridMap map;
-  Scan scan;
-  Pose pose;
-};
-
-/// Half-way along the path of Paz et al. 2012, with twice the beams of its LiDAR.
 const Place& hall() {
-  static const Place place = [] {
-    Scenario scenario = read_scenario(kRoot + "configs/paz2012_scenario.yaml");
-    scenario.lidar.dropout_probability = 0.0;
-    scenario.lidar.beams = 360;
-    const SimulatedLog log =
-        simulate(scenario, read_map(scenario.map_path), [](double fraction) { return fraction < 0.5; });
-    Place p;
-    p.map = read_map(kRoot + "maps/hall_obstacles.yaml");
-    p.pose = log.truth.back().pose;
-    for (const LogRecord& record : log.records)
-      if (record.kind == RecordKind::scan) p.scan = record.scan;
-    return p;
-  }();
+  static const Place place = hall_with_scan(360);
   return place;
 }
 
@@ -97,18 +73,6 @@ void add_backend(BackendChoice backend, int threads) {
     for (const char* name : {"edh", "naedh", "gromov"}) add(name, backend, particles, threads);
   for (const std::int64_t particles : {10, 100, 1000})
     for (const char* name : {"ledh", "pfpf"}) add(name, backend, particles, threads);
-}
-
-bool cuda_answers() {
-  try {
-    BackendConfig config;
-    config.particles = 1;
-    std::string why;
-    make_backend(BackendChoice::cuda, config, why);
-    return true;
-  } catch (const Error&) {
-    return false;
-  }
 }
 
 }  // namespace

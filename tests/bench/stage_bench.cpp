@@ -14,43 +14,21 @@
 #include <string>
 #include <vector>
 
-#include "common/error.h"
-#include "common/eval/simulator.h"
-#include "common/filter/backend.h"
 #include "common/filter/bind.h"
 #include "common/filter/start.h"
 #include "common/map/blocking_cells.h"
-#include "common/map/map_reader.h"
 #include "common/map/skip_field.h"
 #include "cpu/stages.h"
+#include "tests/bench/bench_hall.h"
 
 namespace {
 
 using namespace parloc;
+using namespace parloc::bench;
 using Clock = std::chrono::steady_clock;
 
-const std::string kRoot = std::string(PARLOC_SOURCE_DIR) + "/";
-
-/// The hall with one scan, from half-way along the path of Paz et al. 2012.
-struct Place {
-  GridMap map;
-  Scan scan;
-  Pose pose;
-};
-
 const Place& hall() {
-  static const Place place = [] {
-    Scenario scenario = read_scenario(kRoot + "configs/paz2012_scenario.yaml");
-    scenario.lidar.dropout_probability = 0.0;  // so that every selected beam is used
-    const SimulatedLog log =
-        simulate(scenario, read_map(scenario.map_path), [](double fraction) { return fraction < 0.5; });
-    Place p;
-    p.map = read_map(kRoot + "maps/hall_obstacles.yaml");
-    p.pose = log.truth.back().pose;
-    for (const LogRecord& record : log.records)
-      if (record.kind == RecordKind::scan) p.scan = record.scan;
-    return p;
-  }();
+  static const Place place = hall_with_scan(541);
   return place;
 }
 
@@ -348,18 +326,6 @@ void add_backend(BackendChoice backend, int threads) {
       add("weight/gaussian" + walls, weight, segments, kUsual);
       add("step/gaussian" + walls, step, segments, kUsual);
     }
-  }
-}
-
-bool cuda_answers() {
-  try {
-    BackendConfig config;
-    config.particles = 1;
-    std::string why;
-    make_backend(BackendChoice::cuda, config, why);
-    return true;
-  } catch (const Error&) {
-    return false;  // the context says why: describe_devices()
   }
 }
 

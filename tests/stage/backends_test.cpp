@@ -3,18 +3,12 @@
 // the bit.
 #include <gtest/gtest.h>
 
-#include <array>
-#include <bit>
-#include <cmath>
-#include <cstdlib>
-#include <cstring>
-#include <iomanip>
-#include <span>
-
-#include "common/error.h"
 #include "common/filter/backend.h"
 #include "common/filter/start.h"
-#include "cpu/simd.h"
+#include "tests/stage/room_of_blocks.h"
+#include "tests/stage/same_bits.h"
+#include "tests/unit/instruction_sets.h"
+#include "tests/unit/without_gpu.h"
 
 namespace parloc {
 namespace cuda_on_host {
@@ -22,14 +16,12 @@ std::unique_ptr<Backend> make_backend_on_host(const BackendConfig& config);
 }
 namespace {
 
+using test::same_bits;
+
 GridMap small_room() {
-  std::vector<std::string> rows(60, std::string(110, '.'));
-  for (std::size_t i = 0; i < 110; ++i) rows.front()[i] = rows.back()[i] = '#';
-  for (auto& r : rows) r.front() = r.back() = '#';
-  for (std::size_t k = 0; k < 14; ++k) rows[5 + k * 3][(k * 37) % 100 + 4] = '#';
-  for (std::size_t j = 20; j < 40; ++j) rows[j][55] = '#';
+  std::vector<std::string> rows = test::rows_with_blocks_and_wall();
   rows[10].replace(80, 12, "????????????");
-  return grid_from_text(rows, 0.05, {-1.0, 2.0, 0.3});
+  return test::room_of_blocks(rows);
 }
 
 /// The room with a box of three walls, a slanted wall, a wall along a grid line and one that comes twice.
@@ -102,40 +94,12 @@ Trace run(Backend& backend, const BackendConfig& config, std::int64_t particles,
   return t;
 }
 
-/// Equal to the bit; if not, how many differ and what the first of them is.
-template <class T>
-testing::AssertionResult same_bits(std::span<const T> a, std::span<const T> b) {
-  if (a.size() != b.size())
-    return testing::AssertionFailure() << a.size() << " and " << b.size() << " values";
-  const auto differ = [&](std::size_t i) { return std::memcmp(&a[i], &b[i], sizeof(T)) != 0; };
-  std::size_t first = a.size(), count = 0;
-  for (std::size_t i = a.size(); i-- > 0;)
-    if (differ(i)) first = i, ++count;
-  if (count == 0) return testing::AssertionSuccess();
-  return testing::AssertionFailure() << std::setprecision(17) << count << " of " << a.size()
-                                     << " differ, first [" << first << "]: " << a[first] << " and "
-                                     << b[first];
-}
-template <class T>
-testing::AssertionResult same_bits(const std::vector<T>& a, const std::vector<T>& b) {
-  return same_bits(std::span<const T>(a), std::span<const T>(b));
-}
-/// In the order of Moments' members.
-testing::AssertionResult same_bits(const Moments& a, const Moments& b) {
-  using Values = std::array<double, sizeof(Moments) / sizeof(double)>;
-  const auto va = std::bit_cast<Values>(a), vb = std::bit_cast<Values>(b);
-  return same_bits(std::span<const double>(va), std::span<const double>(vb));
-}
-
 void expect_same(const Trace& a, const Trace& b) {
   EXPECT_TRUE(same_bits(a.expected_m, b.expected_m));
   ASSERT_EQ(a.sets.size(), b.sets.size());
   for (std::size_t k = 0; k < a.sets.size(); ++k) {
     SCOPED_TRACE("step " + std::to_string(k));
-    EXPECT_TRUE(same_bits(a.sets[k].x, b.sets[k].x));
-    EXPECT_TRUE(same_bits(a.sets[k].y, b.sets[k].y));
-    EXPECT_TRUE(same_bits(a.sets[k].theta, b.sets[k].theta));
-    EXPECT_TRUE(same_bits(a.sets[k].log_weight, b.sets[k].log_weight));
+    test::expect_same_bits(a.sets[k], b.sets[k]);
     EXPECT_TRUE(same_bits(a.weights[k], b.weights[k]));
     EXPECT_TRUE(same_bits(a.ancestors[k], b.ancestors[k]));
     EXPECT_EQ(a.states[k].total, b.states[k].total);
@@ -204,10 +168,9 @@ TEST_P(Backends, ThreadsDoNotMatter) {
 TEST_P(Backends, InstructionSetDoesNotMatter) {
   const Trace best = cpu(1025, 2);
   for (const cpu::Simd level : {cpu::Simd::avx2, cpu::Simd::baseline}) {
-    cpu::limit_simd(level);
+    const test::SimdLimit limit(level);
     expect_same(best, cpu(1025, 2));
   }
-  cpu::limit_simd(cpu::Simd::avx512);
 }
 
 TEST_P(Backends, FusedEqualsUnfused) {
@@ -220,9 +183,7 @@ TEST_P(Backends, GpuEqualsCpu) {
     std::string why;
     gpu = make_backend(BackendChoice::cuda, config(9001, 1), why);
   } catch (const Error& e) {
-    const char* required = std::getenv("PARLOC_REQUIRE_GPU");
-    if (required != nullptr && std::strcmp(required, "1") == 0) FAIL() << e.what();
-    GTEST_SKIP() << e.what();
+    PARLOC_WITHOUT_GPU(e);
   }
   expect_same(cpu(9001, 2), run(*gpu, config(9001, 1), 9001, true, map()));
 }

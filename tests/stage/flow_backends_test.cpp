@@ -2,15 +2,15 @@
 // and instruction sets, and a GPU where there is one, all from the same input, must agree to the bit.
 #include <gtest/gtest.h>
 
-#include <cstdlib>
-#include <cstring>
 #include <ostream>
 
-#include "common/error.h"
 #include "common/eval/simulator.h"
 #include "common/filter/start.h"
 #include "common/flow/flow_backend.h"
-#include "cpu/simd.h"
+#include "tests/stage/room_of_blocks.h"
+#include "tests/stage/same_bits.h"
+#include "tests/unit/instruction_sets.h"
+#include "tests/unit/without_gpu.h"
 
 namespace parloc {
 namespace cuda_on_host {
@@ -19,12 +19,7 @@ std::unique_ptr<FlowBackend> make_flow_backend_on_host(const FlowBackendConfig& 
 namespace {
 
 GridMap room() {
-  std::vector<std::string> rows(60, std::string(110, '.'));
-  for (std::size_t i = 0; i < 110; ++i) rows.front()[i] = rows.back()[i] = '#';
-  for (auto& r : rows) r.front() = r.back() = '#';
-  for (std::size_t k = 0; k < 14; ++k) rows[5 + k * 3][(k * 37) % 100 + 4] = '#';
-  for (std::size_t j = 20; j < 40; ++j) rows[j][55] = '#';
-  return grid_from_text(rows, 0.05, {-1.0, 2.0, 0.3});
+  return test::room_of_blocks(test::rows_with_blocks_and_wall());
 }
 
 /// As seen from a pose of the map frame; every seventh beam returns nothing, every fifth is cut short.
@@ -93,24 +88,12 @@ Trace run(FlowBackend& backend, const FlowBackendConfig& config) {
   return t;
 }
 
-template <class T>
-testing::AssertionResult same_bits(const std::vector<T>& a, const std::vector<T>& b) {
-  if (a.size() != b.size()) return testing::AssertionFailure() << a.size() << " and " << b.size();
-  for (std::size_t i = 0; i < a.size(); ++i)
-    if (std::memcmp(&a[i], &b[i], sizeof(T)) != 0)
-      return testing::AssertionFailure() << "[" << i << "]: " << a[i] << " and " << b[i];
-  return testing::AssertionSuccess();
-}
-
 void expect_same(const Trace& a, const Trace& b) {
   ASSERT_EQ(a.states.size(), b.states.size());
   for (std::size_t k = 0; k < a.states.size(); ++k) {
     SCOPED_TRACE("step " + std::to_string(k));
-    EXPECT_TRUE(same_bits(a.states[k], b.states[k]));
-    EXPECT_TRUE(same_bits(a.sets[k].x, b.sets[k].x));
-    EXPECT_TRUE(same_bits(a.sets[k].y, b.sets[k].y));
-    EXPECT_TRUE(same_bits(a.sets[k].theta, b.sets[k].theta));
-    EXPECT_TRUE(same_bits(a.sets[k].log_weight, b.sets[k].log_weight));
+    EXPECT_TRUE(test::same_bits(a.states[k], b.states[k]));
+    test::expect_same_bits(a.sets[k], b.sets[k]);
   }
 }
 
@@ -176,10 +159,9 @@ TEST_P(FlowBackends, ThreadsDoNotMatter) {
 TEST_P(FlowBackends, InstructionSetDoesNotMatter) {
   const Trace best = cpu(counts().back(), 2);
   for (const cpu::Simd level : {cpu::Simd::avx2, cpu::Simd::baseline}) {
-    cpu::limit_simd(level);
+    const test::SimdLimit limit(level);
     expect_same(best, cpu(counts().back(), 2));
   }
-  cpu::limit_simd(cpu::Simd::avx512);
 }
 
 // Bits that agree say nothing if nothing happened.
@@ -195,9 +177,7 @@ TEST_P(FlowBackends, GpuEqualsCpu) {
     std::string why;
     gpu = make_flow_backend(BackendChoice::cuda, config(300, 1), why);
   } catch (const Error& e) {
-    const char* required = std::getenv("PARLOC_REQUIRE_GPU");
-    if (required != nullptr && std::strcmp(required, "1") == 0) FAIL() << e.what();
-    GTEST_SKIP() << e.what();
+    PARLOC_WITHOUT_GPU(e);
   }
   expect_same(cpu(300, 2), run(*gpu, config(300, 1)));
 }

@@ -4,18 +4,16 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdlib>
-#include <cstring>
 #include <random>
 #include <tuple>
 
-#include "common/error.h"
 #include "common/math/portable64.h"
 #include "common/model/beams.h"
 #include "common/search/global_search.h"
 #include "common/search/hypotheses.h"
 #include "common/search/search_backend.h"
-#include "cpu/simd.h"
+#include "tests/unit/instruction_sets.h"
+#include "tests/unit/without_gpu.h"
 
 namespace parloc {
 namespace cuda_on_host {
@@ -224,10 +222,9 @@ TEST(GlobalSearchBackends, KernelBodiesThreadsAndInstructionSetsAgree) {
       EXPECT_EQ(champions_of(*kernels, s.task, s.scan), expected) << "kernels on the host";
       EXPECT_EQ(champions_of(*kernels, s.task, s.scan), expected) << "and again";
       for (const cpu::Simd level : {cpu::Simd::avx2, cpu::Simd::baseline}) {
-        cpu::limit_simd(level);
+        const test::SimdLimit limit(level);
         EXPECT_EQ(champions_of(*one, s.task, s.scan), expected) << cpu::simd_name(level);
       }
-      cpu::limit_simd(cpu::Simd::avx512);
     }
 }
 
@@ -238,9 +235,7 @@ TEST(GlobalSearchBackends, GpuEqualsCpu) {
   try {
     gpu = std::make_unique<GlobalSearch>(two_rooms(), config);
   } catch (const Error& e) {
-    const char* required = std::getenv("PARLOC_REQUIRE_GPU");
-    if (required != nullptr && std::strcmp(required, "1") == 0) FAIL() << e.what();
-    GTEST_SKIP() << e.what();
+    PARLOC_WITHOUT_GPU(e);
   }
   GlobalSearch cpu(two_rooms(), small_config());
   for (const double fov_rad : {2 * kPi, 1.2}) {

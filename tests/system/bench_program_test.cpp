@@ -7,38 +7,31 @@
 #include <algorithm>
 #include <chrono>
 #include <filesystem>
-#include <nlohmann/json.hpp>
 #include <sstream>
 #include <string>
 #include <thread>
 
-#include "tests/system/program_runner.h"
+#include "tests/system/program_fixture.h"
 
 #if defined(__linux__)
 #include <sched.h>
 #endif
 
-namespace parloc {
+namespace parloc::test {
 namespace {
 
 namespace fs = std::filesystem;
-using Json = nlohmann::json;
-using test::Args;
-using test::Outcome;
-using test::read_file;
-using test::write_file;
 
 class BenchProgram : public testing::Test {
  protected:
-  test::ProgramRunner runner{PARLOC_PROGRAM, "parloc_bench_program_test"};
+  ProgramRunner runner{PARLOC_PROGRAM, "parloc_bench_program_test"};
 
   std::string path(const std::string& name) const { return runner.path(name); }
   /// Rows of milliseconds.
   Args small(const Args& more, const std::string& out = "out") const {
-    Args args{"bench",       "--seconds", "0.001", "--max-particles", "500",
-              "--max-beams", "50",        "--out", path(out)};
-    args.insert(args.end(), more.begin(), more.end());
-    return args;
+    return with(
+        {"bench", "--seconds", "0.001", "--max-particles", "500", "--max-beams", "50", "--out", path(out)},
+        more);
   }
   Json written(const std::string& out = "out") const {
     return Json::parse(read_file(path(out + "/bench.json")));
@@ -67,7 +60,7 @@ TEST_F(BenchProgram, QuickEndsSoonAndWritesEverything) {
   EXPECT_NE(json.at("command").get<std::string>().find("bench --quick"), std::string::npos);
   EXPECT_NE(read_file(path("out/bench.html")).find("</html>"), std::string::npos);
   EXPECT_NE(read_file(path("out/bench.md")).find("| 500x50 |"), std::string::npos);
-  EXPECT_EQ(test::contents(path("out")).size(), 3u);  // nothing temporary is left
+  EXPECT_EQ(contents(path("out")).size(), 3u);  // nothing temporary is left
 }
 
 TEST_F(BenchProgram, JsonIsAllThatIsPrinted) {
@@ -108,7 +101,7 @@ TEST_F(BenchProgram, InterruptedKeepsFinishedRows) {
     EXPECT_LT(json.at("rows").size(), 30u);
     EXPECT_NE(read_file(path("cut/bench.html")).find("interrupted"), std::string::npos);
     EXPECT_NE(read_file(path("cut/bench.md")).find("interrupted"), std::string::npos);
-    EXPECT_EQ(test::contents(path("cut")).size(), 3u);
+    EXPECT_EQ(contents(path("cut")).size(), 3u);
   }
 }
 
@@ -128,12 +121,7 @@ TEST_F(BenchProgram, ErrorsAreOneLineBeforeAnyWork) {
   write_file(path("a_file"), "");
   fs::create_directories(path("empty"));
   fs::create_directories(path("in_the_way/bench.md"));
-  struct Case {
-    Args args;
-    int code;
-    const char* part;
-  };
-  for (const Case& c : std::vector<Case>{
+  for (const ProgramCase& c : std::vector<ProgramCase>{
            {small({"--scene", "cellar"}), 2,
             "no_hit, hall, hall_obstacles, hall_segments, office, got 'cellar'"},
            {small({"--scene", "hall,"}), 2, "--scene"},
@@ -153,13 +141,7 @@ TEST_F(BenchProgram, ErrorsAreOneLineBeforeAnyWork) {
            {small({}, "a_file"), 5, "a_file"},
            {small({}, "a_file/below"), 5, "a_file"},
            {small({}, "in_the_way"), 5, "bench.md"}}) {
-    const Outcome outcome = runner.call(c.args);
-    const std::string shown = testing::PrintToString(c.args) + "\n" + outcome.err;
-    EXPECT_EQ(outcome.code, c.code) << shown;
-    EXPECT_EQ(outcome.out, "") << shown;
-    EXPECT_EQ(outcome.err.rfind("parloc: ", 0), 0u) << shown;
-    EXPECT_EQ(std::count(outcome.err.begin(), outcome.err.end(), '\n'), 1) << shown;  // so no progress either
-    EXPECT_NE(outcome.err.find(c.part), std::string::npos) << shown;
+    expect_error(runner.call(c.args), c);  // one line: so no progress either
   }
 }
 
@@ -222,4 +204,4 @@ TEST_F(BenchProgram, WithTooLittleMemoryItSaysWhatItSkipped) {
 }
 
 }  // namespace
-}  // namespace parloc
+}  // namespace parloc::test

@@ -3,20 +3,12 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
-#include <memory>
-#include <nlohmann/json.hpp>
 #include <string>
 
-#include "tests/system/program_runner.h"
+#include "tests/system/program_fixture.h"
 
-namespace parloc {
+namespace parloc::test {
 namespace {
-
-using Json = nlohmann::json;
-using test::Args;
-using test::Outcome;
-using test::read_file;
-using test::write_file;
 
 constexpr const char* kScenario = R"(lidar:
   beams: 90
@@ -31,10 +23,10 @@ odometry:
 scan_rate: 5
 )";
 
-class CompareProgram : public testing::Test {
+class CompareProgram : public ProgramSuite {
  protected:
   static void SetUpTestSuite() {
-    runner = std::make_unique<test::ProgramRunner>(PARLOC_PROGRAM, "parloc_compare_test");
+    open("parloc_compare_test");
     const std::string maps = std::string(PARLOC_SOURCE_DIR) + "/maps/";
     const std::string drawn =
         "map: " + maps + "fine/hall_obstacles.yaml\npath: " + maps + "paths/hall_17m.yaml\n";
@@ -45,31 +37,15 @@ class CompareProgram : public testing::Test {
     write_file(runner->folder() / "elsewhen.tum", "5.0 1 1 0 0 0 0 1\n5.1 1 1 0 0 0 0 1\n");
     write_file(runner->folder() / "empty.log", "# nothing\n");
   }
-  static void TearDownTestSuite() { runner.reset(); }
-  static std::string path(const std::string& name) { return runner->path(name); }
-  static Outcome compare(Args args, const Args& more = {}) {
-    args.insert(args.begin(), "compare");
-    args.insert(args.end(), more.begin(), more.end());
-    return runner->call(args);
+  static Outcome compare(const Args& args, const Args& more = {}) {
+    return call(with(with({"compare"}, args), more));
   }
   /// Small filters: the tests are of the program.
   static Outcome simulated(const Args& more) {
     return compare({"--scenario", path("hall.yaml"), "--filters", "mcl@200,ekf_beams,edh@20"}, more);
   }
-  static Json result(const std::string& folder) {
-    return Json::parse(read_file(path(folder + "/compare.json")));
-  }
-  /// Without what a clock, or the command line, has said.
-  static Json lasting(Json json) {
-    json.erase("times");
-    json.erase("command");
-    return json;
-  }
-  static inline std::unique_ptr<test::ProgramRunner> runner;
+  static Json result(const std::string& folder) { return json_of(folder + "/compare.json"); }
 };
-
-const Args kLog{"--log",   "maps/logs/malaga_faculty.log.gz", "--map", "maps/malaga_faculty.yaml",
-                "--truth", "maps/logs/malaga_faculty.tum"};
 
 TEST_F(CompareProgram, TheNumberOfJobsChangesNothing) {
   const Args short_drive{"--seeds", "3", "--duration", "8"};
@@ -213,4 +189,4 @@ TEST_F(CompareProgram, HelpFitsAScreen) {
 }
 
 }  // namespace
-}  // namespace parloc
+}  // namespace parloc::test

@@ -3,22 +3,14 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
-#include <memory>
-#include <nlohmann/json.hpp>
 #include <string>
 
 #include "common/io/log.h"
 #include "common/map/map_reader.h"
-#include "tests/system/program_runner.h"
+#include "tests/system/program_fixture.h"
 
-namespace parloc {
+namespace parloc::test {
 namespace {
-
-using Json = nlohmann::json;
-using test::Args;
-using test::Outcome;
-using test::read_file;
-using test::write_file;
 
 const float kNan = std::nanf("");
 
@@ -81,10 +73,10 @@ std::string still_log(const std::vector<float>& ranges_m) {
   return text;
 }
 
-class DegenerateProgram : public testing::Test {
+class DegenerateProgram : public ProgramSuite {
  protected:
   static void SetUpTestSuite() {
-    runner = std::make_unique<test::ProgramRunner>(PARLOC_PROGRAM, "parloc_degenerate_test");
+    open("parloc_degenerate_test");
     for (const NamedMap& m : maps())
       write_map(path(std::string(m.name) + "_map.yaml"), grid_from_text(m.rows, m.resolution_m));
     for (const NamedScan& s : scans()) {
@@ -93,20 +85,7 @@ class DegenerateProgram : public testing::Test {
     }
     write_file(path("truth.tum"), "0 0.02 0.02 0 0 0 0 1\n1 0.02 0.02 0 0 0 0 1\n");
   }
-  static void TearDownTestSuite() { runner.reset(); }
-  static std::string path(const std::string& name) { return runner->path(name); }
-  static Outcome call(Args args, const Args& more) {
-    args.insert(args.end(), more.begin(), more.end());
-    return runner->call(args);
-  }
-  static inline std::unique_ptr<test::ProgramRunner> runner;
 };
-
-void expect_one_line(const Outcome& o, int code, const std::string& words) {
-  EXPECT_EQ(o.code, code) << o.err;
-  EXPECT_NE(o.err.find(words), std::string::npos) << o.err;
-  EXPECT_EQ(std::count(o.err.begin(), o.err.end(), '\n'), 1) << o.err;
-}
 
 /// Words are separated by anything but letters and digits.
 bool has_word(const std::string& text, const std::string& word) {
@@ -133,14 +112,14 @@ TEST_F(DegenerateProgram, LocateFindsNoPlaceOrSaysWhatIsWrong) {
                       "cpu",
                       "--out",
                       path("found")};
-      const Outcome o = runner->call(args);
+      const Outcome o = call(args);
       if (!m.has_free_cell) {
         expect_one_line(o, 3, "no free cell");
         continue;
       }
       EXPECT_EQ(o.code, 7) << o.err;
       EXPECT_EQ(o.err, "");
-      EXPECT_TRUE(Json::parse(read_file(path("found/hypotheses.json")))["hypotheses"].empty());
+      EXPECT_TRUE(json_of("found/hypotheses.json")["hypotheses"].empty());
     }
   }
 }
@@ -152,9 +131,9 @@ TEST_F(DegenerateProgram, RunIsLostOrSaysWhatIsWrong) {
     for (const NamedScan& s : scans()) {
       for (const std::string init : {"global", "0.01,0.01,0"}) {
         SCOPED_TRACE(std::string(m.name) + " map, " + s.name + " scan, from " + init);
-        const Outcome o = runner->call({"run", "--map", path(std::string(m.name) + "_map.yaml"), "--log",
-                                        path(std::string(s.name) + ".log"), "--init", init, "--particles",
-                                        "100", "--backend", "cpu", "--quiet", "--out", path("out")});
+        const Outcome o = call({"run", "--map", path(std::string(m.name) + "_map.yaml"), "--log",
+                                path(std::string(s.name) + ".log"), "--init", init, "--particles", "100",
+                                "--backend", "cpu", "--quiet", "--out", path("out")});
         if (!m.has_free_cell) {
           expect_one_line(o, 3, "no free cell");
           continue;
@@ -173,23 +152,22 @@ TEST_F(DegenerateProgram, EvaluateCountsNoSuccessOrSaysWhatIsWrong) {
   for (const NamedMap& m : maps()) {
     for (const char* log : {"nan.log", "most.log"}) {
       SCOPED_TRACE(std::string(m.name) + " map, " + log);
-      const Outcome o = runner->call({"evaluate", "--map", path(std::string(m.name) + "_map.yaml"), "--log",
-                                      path(log), "--truth", path("truth.tum"), "--starts", "2", "--particles",
-                                      "100", "--quiet", "--out", path("all"), "--samples", path("all.csv")});
+      const Outcome o = call({"evaluate", "--map", path(std::string(m.name) + "_map.yaml"), "--log",
+                              path(log), "--truth", path("truth.tum"), "--starts", "2", "--particles", "100",
+                              "--quiet", "--out", path("all"), "--samples", path("all.csv")});
       if (!m.has_free_cell) {
         expect_one_line(o, 3, "no free cell");
         continue;
       }
       EXPECT_EQ(o.code, 0) << o.err;
-      EXPECT_EQ(Json::parse(read_file(path("all/evaluate.json")))["summary"]["confident_wrong"]["hits"], 0);
+      EXPECT_EQ(json_of("all/evaluate.json")["summary"]["confident_wrong"]["hits"], 0);
       expect_numbers(read_file(path("all.csv")));
     }
     // A simulated drive needs room for a robot, on none of these.
     write_file(path("way.yaml"), "speed: 0.5\npoints: [[0.01, 0.01], [0.02, 0.01]]\n");
     write_file(path("scenario.yaml"), "map: " + std::string(m.name) +
                                           "_map.yaml\npath: way.yaml\nlocalization_map: cell_map.yaml\n");
-    const Outcome o =
-        runner->call({"evaluate", "--scenario", path("scenario.yaml"), "--trials", "2", "--quiet"});
+    const Outcome o = call({"evaluate", "--scenario", path("scenario.yaml"), "--trials", "2", "--quiet"});
     expect_one_line(o, 3, "no free region");
   }
 }
@@ -199,15 +177,15 @@ TEST_F(DegenerateProgram, EvaluateCountsNoSuccessOrSaysWhatIsWrong) {
 TEST_F(DegenerateProgram, PriorsWithoutWidth) {
   const Args locate{"locate",    "--map", "maps/hall_obstacles.yaml", "--scan", path("far_scan.yaml"),
                     "--backend", "cpu"};
-  expect_one_line(call(locate, {"--near", "8.5,4.0,0"}), 3, "no free cell");      // a corner of four cells
-  expect_one_line(call(locate, {"--near", "0.025,0.025,0"}), 3, "no free cell");  // in a wall
+  expect_one_line(call(with(locate, {"--near", "8.5,4.0,0"})), 3, "no free cell");  // a corner of four cells
+  expect_one_line(call(with(locate, {"--near", "0.025,0.025,0"})), 3, "no free cell");  // in a wall
   for (const Args& prior : {Args{"--near", "8.525,4.025,0"}, Args{"--heading", "0.3,0"},
                             Args{"--near", "8.525,4.025,0", "--heading", "3.1415926535897932,0"}}) {
-    const Outcome o = call(locate, prior);
+    const Outcome o = call(with(locate, prior));
     EXPECT_TRUE(o.code == 0 || o.code == 7) << o.err;
     EXPECT_EQ(o.err, "");
   }
 }
 
 }  // namespace
-}  // namespace parloc
+}  // namespace parloc::test

@@ -2,46 +2,31 @@
 // instruction set, on every backend, and on every machine (docs/determinism.md).
 #include <gtest/gtest.h>
 
-#include <cstdlib>
-#include <cstring>
 #include <memory>
 #include <string>
 #include <vector>
 
-#include "common/error.h"
-#include "common/eval/metrics.h"
 #include "common/filter/backend.h"
 #include "common/filter/config_fields.h"
 #include "common/filter/start.h"
-#include "common/map/map_reader.h"
 #include "common/math/sha256.h"
-#include "cpu/simd.h"
+#include "tests/system/golden_corridor.h"
+#include "tests/unit/instruction_sets.h"
 #include "tests/unit/small_drive.h"
+#include "tests/unit/without_gpu.h"
 #include "tools/localize_log.h"
 
-namespace parloc {
-namespace cuda_on_host {
+namespace parloc::cuda_on_host {
 std::unique_ptr<Backend> make_backend_on_host(const BackendConfig& config);
 }
+namespace parloc::test {
 namespace {
 
 using tools::Localization;
 using tools::LocalizeRequest;
 using tools::StartPose;
 
-/// A real log of 37 scans with a map of another day. Both are decimal text and grey values, so that every
-/// machine starts from the same bits (maps/logs/README.md has the start pose).
-const std::string kMaps = std::string(PARLOC_SOURCE_DIR) + "/maps/";
-constexpr std::size_t kCorridorScans = 37;
-const StartPose kCorridorStart{false, {3.453, -10.171, -0.485}, 0.2, 0.2, 0.1};
-
-const GridMap& corridor() {
-  static const GridMap map = read_map(kMaps + "malaga_corridor.yaml");
-  return map;
-}
-std::unique_ptr<LogReader> corridor_log() {
-  return open_carmen_log(kMaps + "logs/malaga_corridor.log.gz");
-}
+const StartPose kStart{false, kCorridorStart, kCorridorSigma_m, kCorridorSigma_m, kCorridorSigma_rad};
 
 /// Every setting is written out: a changed default must not change a golden digest. Each model has its own
 /// resampling scheme, so that the three runs cover more of the step.
@@ -54,16 +39,7 @@ FilterConfig fixed_config(SensorModel model) {
   c.device = 0;
   c.initial_sigma_xy = 0.2, c.initial_sigma_theta = 0.1;
   c.update_min_d = 0.0, c.update_min_a = 0.0;
-  c.motion = {.form = MotionForm::seed,
-              .alpha1 = 0.2,
-              .alpha2 = 0.1,
-              .alpha3 = 0.2,
-              .alpha4 = 0.1,
-              .sigma_rot_min_rad = 0.001,
-              .sigma_trans_min_m = 0.002,
-              .min_translation_m = 0.01,
-              .symmetric = true,
-              .max_jump_m = 1.0};
+  c.motion = kGoldenMotion;
   c.scan = {.max_beams = 60,
             .min_beams = 5,
             .laser_min_range = 0.1,
@@ -106,24 +82,7 @@ Localization run(const GridMap& map, LogReader& log, const FilterConfig& config,
   return localize_log(map, log, request);
 }
 Localization run_corridor(const FilterConfig& config) {
-  return run(corridor(), *corridor_log(), config, kCorridorStart);
-}
-
-/// Limits the instruction set while it lives.
-class SimdLimit {
- public:
-  explicit SimdLimit(cpu::Simd most) { cpu::limit_simd(most); }
-  ~SimdLimit() { cpu::limit_simd(cpu::Simd::avx512); }
-};
-
-/// The instruction sets that this CPU has, each once.
-std::vector<cpu::Simd> instruction_sets() {
-  std::vector<cpu::Simd> sets;
-  for (const cpu::Simd wish : {cpu::Simd::baseline, cpu::Simd::avx2, cpu::Simd::avx512}) {
-    const SimdLimit limit(wish);
-    if (cpu::simd_level() == wish) sets.push_back(wish);
-  }
-  return sets;
+  return run(corridor(), *corridor_log(), config, kStart);
 }
 
 class Digest : public testing::TestWithParam<SensorModel> {
@@ -162,17 +121,15 @@ TEST_P(Digest, OfARealLogIsPinned) {
     const Localization result = run_corridor(config());
     EXPECT_EQ(result.digest, golden(GetParam())) << "with " << cpu::simd_name(set);
     EXPECT_EQ(result.scans, kCorridorScans);
-    // The digest is worth pinning only if the run resampled, in not every step but with the Gaussian, for
-    // which (and for s5) one beam past a corner decides, and kept track.
+    expect_on_track(result.trajectory);
+    // The digest is worth pinning only if the run resampled, too, in not every step but with the Gaussian,
+    // for which (and for s5) one beam past a corner decides.
     std::size_t resampled = 0;
     for (const StepRecord& step : result.steps) resampled += step.resampled ? 1 : 0;
     const bool has_no_floor = GetParam() == SensorModel::gaussian || GetParam() == SensorModel::s5;
     EXPECT_GT(resampled, 5u);
     EXPECT_LT(resampled, kCorridorScans + (has_no_floor ? 1 : 0));
     EXPECT_EQ(result.lost_steps, 0u);
-    const TrackErrors errors =
-        compare_tracks(result.trajectory, read_tum(kMaps + "logs/malaga_corridor.tum"));
-    EXPECT_LT(errors.position_max_m, 1.0);  // odometry alone ends 1.7 m off
   }
 }
 
@@ -187,8 +144,8 @@ FilterConfig many_particles(const FilterConfig& fixed) {
   return c;
 }
 Localization run_room(const FilterConfig& config) {
-  static const GridMap room = test::small_room();
-  static const std::string log = test::carmen_log_of(test::small_drive(room, 20));
+  static const GridMap room = small_room();
+  static const std::string log = carmen_log_of(small_drive(room, 20));
   return run(room, *carmen_log_from_text(log, "room.log"), config, {false, {1.0, 1.0, 0.0}, 0.1, 0.1, 0.1});
 }
 
@@ -229,7 +186,7 @@ struct BackendRun {
 BackendRun run_backend(Backend& backend, const FilterConfig& c) {
   const GridMap& map = corridor();
   backend.set_map(map);
-  const StartPose& start = kCorridorStart;
+  const StartPose& start = kStart;
   backend.upload(gaussian_start(map, start.pose, start.sigma_x_m, start.sigma_y_m, start.sigma_theta_rad,
                                 c.particles, c.seed));
   BackendRun result;
@@ -293,10 +250,7 @@ TEST_P(Digest, OfAGpuIsTheSame) {
     many.backend = BackendChoice::cpu;
     EXPECT_EQ(digest, run_room(many).digest);
   } catch (const Error& e) {
-    const char* required = std::getenv("PARLOC_REQUIRE_GPU");
-    if (e.kind() != ErrorKind::backend || (required != nullptr && std::strcmp(required, "1") == 0))
-      FAIL() << e.what();
-    GTEST_SKIP() << e.what();
+    PARLOC_WITHOUT_GPU(e);
   }
 }
 
@@ -311,4 +265,4 @@ INSTANTIATE_TEST_SUITE_P(All, Digest,
                          });
 
 }  // namespace
-}  // namespace parloc
+}  // namespace parloc::test

@@ -4,20 +4,12 @@
 
 #include <algorithm>
 #include <filesystem>
-#include <memory>
-#include <nlohmann/json.hpp>
 #include <string>
 
-#include "tests/system/program_runner.h"
+#include "tests/system/program_fixture.h"
 
-namespace parloc {
+namespace parloc::test {
 namespace {
-
-using Json = nlohmann::json;
-using test::Args;
-using test::Outcome;
-using test::read_file;
-using test::write_file;
 
 constexpr const char* kScenario = R"(lidar:
   beams: 180
@@ -31,10 +23,10 @@ scan_rate: 5
 seed: 1
 )";
 
-class EvaluateProgram : public testing::Test {
+class EvaluateProgram : public ProgramSuite {
  protected:
   static void SetUpTestSuite() {
-    runner = std::make_unique<test::ProgramRunner>(PARLOC_PROGRAM, "parloc_evaluate_test");
+    open("parloc_evaluate_test");
     const std::string maps = std::string(PARLOC_SOURCE_DIR) + "/maps/";
     const std::string drawn =
         "map: " + maps + "fine/hall_obstacles.yaml\npath: " + maps + "paths/hall_17m.yaml\n";
@@ -45,32 +37,13 @@ class EvaluateProgram : public testing::Test {
     write_file(runner->folder() / "elsewhen.tum", "5.0 1 1 0 0 0 0 1\n5.1 1 1 0 0 0 0 1\n");
     write_file(runner->folder() / "empty.log", "# nothing\n");
   }
-  static void TearDownTestSuite() { runner.reset(); }
-  static std::string path(const std::string& name) { return runner->path(name); }
-  static Args with(Args args, const Args& more) {
-    args.insert(args.begin(), {"evaluate"});
-    args.insert(args.end(), more.begin(), more.end());
-    return args;
-  }
+  static Outcome evaluate(const Args& args) { return call(with({"evaluate"}, args)); }
   /// Few particles and short trials: the tests are of the program, not of the localizer.
   static Outcome simulated(const Args& more) {
-    return runner->call(
-        with({"--scenario", path("hall.yaml"), "--particles", "300", "--duration", "4"}, more));
+    return evaluate(with({"--scenario", path("hall.yaml"), "--particles", "300", "--duration", "4"}, more));
   }
-  static Json result(const std::string& folder) {
-    return Json::parse(read_file(path(folder + "/evaluate.json")));
-  }
-  /// Without what a clock, or the command line, has said.
-  static Json lasting(Json json) {
-    json.erase("times");
-    json.erase("command");
-    return json;
-  }
-  static inline std::unique_ptr<test::ProgramRunner> runner;
+  static Json result(const std::string& folder) { return json_of(folder + "/evaluate.json"); }
 };
-
-const Args kLog{"--log",   "maps/logs/malaga_faculty.log.gz", "--map", "maps/malaga_faculty.yaml",
-                "--truth", "maps/logs/malaga_faculty.tum"};
 
 TEST_F(EvaluateProgram, TheNumberOfJobsChangesNothing) {
   for (const std::string task : {"global", "kidnap"}) {
@@ -115,24 +88,22 @@ TEST_F(EvaluateProgram, ASeedAloneIsTheSameTrial) {
 
 TEST_F(EvaluateProgram, StartsInALog) {
   const Args more{"--starts", "4", "--duration", "3", "--particles", "500"};
-  Args all = with(kLog, more), third = with(kLog, more);
-  all.insert(all.end(), {"--out", path("log")});
-  third.insert(third.end(), {"--out", path("third"), "--seed", "3", "--trials", "1"});
-  const Outcome o = runner->call(all);
+  const Outcome o = evaluate(with(with(kLog, more), {"--out", path("log")}));
   ASSERT_EQ(o.code, 0) << o.err;
   const Json j = result("log");
   ASSERT_EQ(j["trials"].size(), 4u);
   const double first_s = j["trials"][0]["begun_s"], last_s = j["trials"][3]["begun_s"];
   EXPECT_NEAR(last_s - first_s, 0.75 * 59.0, 1.5);  // the log has 59 s and a scan every second or less
-  ASSERT_EQ(runner->call(third).code, 0);
+  const Args third{"--out", path("third"), "--seed", "3", "--trials", "1"};
+  ASSERT_EQ(evaluate(with(with(kLog, more), third)).code, 0);
   EXPECT_EQ(result("third")["trials"][0], j["trials"][2]);
   EXPECT_TRUE(j["summary"]["unmapped"].is_null());
 }
 
 TEST_F(EvaluateProgram, CtrlCKeepsWhatIsDone) {
-  const Args args = with({"--scenario", path("hall.yaml"), "--particles", "300", "--duration", "2"},
-                         {"--trials", "300", "--jobs", "2", "--out", path("broken")});
-  const pid_t child = runner->start(args);
+  const pid_t child =
+      runner->start({"evaluate", "--scenario", path("hall.yaml"), "--particles", "300", "--duration", "2",
+                     "--trials", "300", "--jobs", "2", "--out", path("broken")});
   runner->wait_for("of 300 trials");  // the first line of progress comes after a tenth of the work
   kill(child, SIGINT);
   const Outcome o = runner->finish(child);
@@ -147,12 +118,7 @@ TEST_F(EvaluateProgram, CtrlCKeepsWhatIsDone) {
 TEST_F(EvaluateProgram, ErrorsAreOneLineWithACode) {
   const Args scenario{"--scenario", path("hall.yaml")};
   const std::string log = kLog[1], map = kLog[3], truth = kLog[5];
-  struct Case {
-    Args args;
-    int code;
-    const char* words;
-  };
-  const Case cases[] = {
+  const ProgramCase cases[] = {
       {{}, 2, "--scenario or --log"},
       {with(scenario, {"--log", log}), 2, "not both"},
       {with(scenario, {"--trials", "0"}), 2, "--trials"},
@@ -182,21 +148,14 @@ TEST_F(EvaluateProgram, ErrorsAreOneLineWithACode) {
       {{"--log", log, "--map", map, "--truth", truth, "--range", "5"}, 2, "simulated"},
       {{"--log", log, "--map", map, "--truth", truth, "--starts", "3", "--seed", "4"}, 2, "from 1 to 3"},
   };
-  for (const Case& c : cases) {
-    Args args = c.args;
-    if (args.empty() || args[0] != "evaluate") args = with(args, {});
-    const Outcome o = runner->call(args);
-    EXPECT_EQ(o.code, c.code) << o.err << o.out;
-    EXPECT_NE(o.err.find(c.words), std::string::npos) << o.err;
-    EXPECT_EQ(std::count(o.err.begin(), o.err.end(), '\n'), 1) << o.err;
-  }
+  for (const ProgramCase& c : cases) expect_error(evaluate(c.args), c);
 }
 
 TEST_F(EvaluateProgram, HelpFitsAScreen) {
-  const Outcome o = runner->call({"evaluate", "--help"});
+  const Outcome o = evaluate({"--help"});
   EXPECT_EQ(o.code, 0);
   EXPECT_LE(std::count(o.out.begin(), o.out.end(), '\n'), 24);
 }
 
 }  // namespace
-}  // namespace parloc
+}  // namespace parloc::test

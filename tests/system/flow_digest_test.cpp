@@ -4,15 +4,12 @@
 
 #include <ostream>
 
-#include "common/eval/metrics.h"
 #include "common/filter/pose_filter.h"
-#include "common/map/map_reader.h"
-#include "cpu/simd.h"
+#include "tests/system/golden_corridor.h"
+#include "tests/unit/instruction_sets.h"
 
-namespace parloc {
+namespace parloc::test {
 namespace {
-
-const std::string kMaps = std::string(PARLOC_SOURCE_DIR) + "/maps/";
 
 /// Every setting that these filters read is written out: a changed default must not change a golden digest.
 FilterConfig fixed_config() {
@@ -20,16 +17,7 @@ FilterConfig fixed_config() {
   c.particles = 60;
   c.seed = 42;
   c.backend = BackendChoice::cpu;
-  c.motion = {.form = MotionForm::seed,
-              .alpha1 = 0.2,
-              .alpha2 = 0.1,
-              .alpha3 = 0.2,
-              .alpha4 = 0.1,
-              .sigma_rot_min_rad = 0.001,
-              .sigma_trans_min_m = 0.002,
-              .min_translation_m = 0.01,
-              .symmetric = true,
-              .max_jump_m = 1.0};
+  c.motion = kGoldenMotion;
   c.scan.min_beams = 5, c.scan.laser_min_range = 0.1, c.scan.laser_max_range = 40.0;
   c.resample = {.scheme = ResampleScheme::systematic, .threshold = 0.5};
   c.flow = {.max_beams = 120,
@@ -65,26 +53,22 @@ void PrintTo(const Golden& g, std::ostream* out) {
 class FlowDigest : public testing::TestWithParam<Golden> {};
 
 TEST_P(FlowDigest, OfARealLogIsPinned) {
-  const GridMap map = read_map(kMaps + "malaga_corridor.yaml");
-  for (const cpu::Simd most : {cpu::Simd::baseline, cpu::Simd::avx2, cpu::Simd::avx512}) {
-    cpu::limit_simd(most);
+  for (const cpu::Simd set : instruction_sets()) {
+    const SimdLimit limit(set);
     for (const int threads : {1, 2, 4}) {
       FilterConfig c = fixed_config();
       c.threads = threads;
-      const auto filter = make_pose_filter(GetParam().name, c, map);
-      filter->start_at({3.453, -10.171, -0.485}, 0.2, 0.2, 0.1);
-      const auto log = open_carmen_log(kMaps + "logs/malaga_corridor.log.gz");
+      const auto filter = make_pose_filter(GetParam().name, c, corridor());
+      filter->start_at(kCorridorStart, kCorridorSigma_m, kCorridorSigma_m, kCorridorSigma_rad);
+      const auto log = corridor_log();
       Trajectory track;
       for (LogRecord r; log->next(r);)
         if (r.kind == RecordKind::scan) track.push_back({r.stamp_s, filter->step(r.odometry, r.scan).pose});
       EXPECT_EQ(filter->digest(), GetParam().digest) << filter->backend_name();
-      EXPECT_EQ(filter->steps(), 37u);
-      // Worth pinning only if it kept track; odometry alone ends 1.7 m off.
-      const TrackErrors e = compare_tracks(track, read_tum(kMaps + "logs/malaga_corridor.tum"));
-      EXPECT_LT(e.position_max_m, 1.0);
+      EXPECT_EQ(filter->steps(), kCorridorScans);
+      expect_on_track(track);
     }
   }
-  cpu::limit_simd(cpu::Simd::avx512);
 }
 
 // They change with any change of the arithmetic of a step, its order included; see
@@ -101,4 +85,4 @@ INSTANTIATE_TEST_SUITE_P(
     [](const auto& one) { return std::string(one.param.name); });
 
 }  // namespace
-}  // namespace parloc
+}  // namespace parloc::test

@@ -3,21 +3,14 @@
 
 #include <algorithm>
 #include <cmath>
-#include <memory>
-#include <nlohmann/json.hpp>
 #include <string>
 
 #include "common/eval/simulator.h"
 #include "common/map/map_reader.h"
-#include "tests/system/program_runner.h"
+#include "tests/system/program_fixture.h"
 
-namespace parloc {
+namespace parloc::test {
 namespace {
-
-using Json = nlohmann::json;
-using test::Args;
-using test::Outcome;
-using test::write_file;
 
 constexpr double kTurn_rad = 6.283185307179586;
 const Pose kTruth{8.5, 4.0, -2.0};
@@ -31,10 +24,10 @@ std::string scan_yaml(const GridMap& map, const Pose& pose) {
   return text + ".nan]\n";
 }
 
-class LocateProgram : public testing::Test {
+class LocateProgram : public ProgramSuite {
  protected:
   static void SetUpTestSuite() {
-    runner = std::make_unique<test::ProgramRunner>(PARLOC_PROGRAM, "parloc_locate_test");
+    open("parloc_locate_test");
     const GridMap fine = read_map("maps/fine/hall_obstacles.yaml");
     write_file(runner->folder() / "scan.yaml", scan_yaml(fine, kTruth));
     write_file(runner->folder() / "symmetric.yaml",
@@ -50,14 +43,9 @@ class LocateProgram : public testing::Test {
                "angle_min_deg: 0\nangle_step_deg: 1\nrange_min: 4\nrange_max: 3\nranges: [1]\n");
     write_file(runner->folder() / "empty.log", "# nothing\n");
   }
-  static void TearDownTestSuite() { runner.reset(); }
-  static std::string path(const std::string& name) { return runner->path(name); }
   static Outcome locate(const Args& more, const std::string& map = "maps/hall_obstacles.yaml") {
-    Args args{"locate", "--map", map, "--backend", "cpu"};
-    args.insert(args.end(), more.begin(), more.end());
-    return runner->call(args);
+    return call(with({"locate", "--map", map, "--backend", "cpu"}, more));
   }
-  static inline std::unique_ptr<test::ProgramRunner> runner;
 };
 
 TEST_F(LocateProgram, FindsAScanOfAFileAndWritesWhatItFound) {
@@ -69,8 +57,8 @@ TEST_F(LocateProgram, FindsAScanOfAFileAndWritesWhatItFound) {
   EXPECT_LT(std::hypot(best["x_m"].get<double>() - kTruth.x_m, best["y_m"].get<double>() - kTruth.y_m), 0.07);
   EXPECT_NEAR(best["theta_rad"].get<double>(), kTruth.theta_rad, 0.01);
   EXPECT_GT(best["explained"].get<double>(), 0.9);
-  EXPECT_EQ(Json::parse(test::read_file(path("out/hypotheses.json"))), j);
-  EXPECT_EQ(test::read_file(path("out/picture.png")).substr(1, 3), "PNG");
+  EXPECT_EQ(json_of("out/hypotheses.json"), j);
+  EXPECT_EQ(read_file(path("out/picture.png")).substr(1, 3), "PNG");
 }
 
 TEST_F(LocateProgram, SaysWhatIsAmbiguousAndTakesPriors) {
@@ -78,9 +66,8 @@ TEST_F(LocateProgram, SaysWhatIsAmbiguousAndTakesPriors) {
   ASSERT_EQ(both.code, 0) << both.err;
   EXPECT_NE(both.out.find("ambiguous: 2 places"), std::string::npos) << both.out;
   for (const Args& prior : {Args{"--near", "6,3,2"}, Args{"--heading", "0.4,0.5"}}) {
-    Args args{"--scan", path("symmetric.yaml"), "--top", "1"};
-    args.insert(args.end(), prior.begin(), prior.end());
-    const Outcome one = locate(args, "maps/hall.yaml");
+    const Outcome one =
+        locate(with({"--scan", path("symmetric.yaml"), "--top", "1"}, prior), "maps/hall.yaml");
     ASSERT_EQ(one.code, 0) << one.err;
     EXPECT_NE(one.out.find("found: one place"), std::string::npos) << one.out;
   }
@@ -98,18 +85,13 @@ TEST_F(LocateProgram, NothingFoundHasACodeOfItsOwn) {
   EXPECT_EQ(blind.code, 7);
   EXPECT_NE(blind.out.find("none"), std::string::npos);
   EXPECT_TRUE(blind.err.empty()) << blind.err;
-  EXPECT_EQ(Json::parse(test::read_file(path("blind/hypotheses.json")))["verdict"], "none");
+  EXPECT_EQ(json_of("blind/hypotheses.json")["verdict"], "none");
   EXPECT_EQ(locate({"--scan", path("scan.yaml")}, "maps/empty.yaml").code, 7);  // a map without walls
 }
 
 TEST_F(LocateProgram, ErrorsAreOneLineWithACode) {
   const std::string scan = path("scan.yaml"), log = "maps/logs/malaga_corridor.log.gz";
-  struct Case {
-    Args args;
-    int code;
-    const char* words;
-  };
-  const Case cases[] = {
+  const ProgramCase cases[] = {
       {{}, 2, "expected a scan"},
       {{"--scan", scan, "--log", log}, 2, "not both"},
       {{"--scan", scan, "--at", "3"}, 2, "expected --log"},
@@ -132,19 +114,14 @@ TEST_F(LocateProgram, ErrorsAreOneLineWithACode) {
       {{"--log", log, "--at", "100000"}, 3, "ends before"},
       {{"--scan", scan, "--out", "/dev/null/x"}, 5, "/dev/null/x"},
   };
-  for (const Case& c : cases) {
-    const Outcome o = locate(c.args);
-    EXPECT_EQ(o.code, c.code) << o.err << o.out;
-    EXPECT_NE(o.err.find(c.words), std::string::npos) << o.err;
-    EXPECT_EQ(std::count(o.err.begin(), o.err.end(), '\n'), 1) << o.err;
-  }
+  for (const ProgramCase& c : cases) expect_error(locate(c.args), c);
 }
 
 TEST_F(LocateProgram, HelpFitsAScreen) {
-  const Outcome o = runner->call({"locate", "--help"});
+  const Outcome o = call({"locate", "--help"});
   EXPECT_EQ(o.code, 0);
   EXPECT_LE(std::count(o.out.begin(), o.out.end(), '\n'), 24);
 }
 
 }  // namespace
-}  // namespace parloc
+}  // namespace parloc::test

@@ -7,64 +7,49 @@
 #include <cmath>
 #include <filesystem>
 #include <functional>
-#include <memory>
-#include <nlohmann/json.hpp>
 #include <sstream>
 #include <string>
 #include <vector>
 
 #include "common/io/trajectory.h"
 #include "common/map/map_reader.h"
-#include "tests/system/program_runner.h"
+#include "tests/system/program_fixture.h"
 #include "tests/unit/small_drive.h"
 
-namespace parloc {
+namespace parloc::test {
 namespace {
 
 namespace fs = std::filesystem;
-using Json = nlohmann::json;
-using test::Args;
-using test::contents;
-using test::Outcome;
-using test::read_file;
-using test::write_file;
 
 constexpr int kScans = 40;
 
-class Program : public testing::Test {
+class Program : public ProgramSuite {
  protected:
   static void SetUpTestSuite() {
-    runner = std::make_unique<test::ProgramRunner>(PARLOC_PROGRAM, "parloc_program_test");
+    open("parloc_program_test");
     folder = runner->folder();
-    room = test::small_room();
-    drive = test::small_drive(room, kScans);
+    room = small_room();
+    drive = small_drive(room, kScans);
     write_map((folder / "room.yaml").string(), room);
-    write_file(folder / "drive.log", test::carmen_log_of(drive));
+    write_file(folder / "drive.log", carmen_log_of(drive));
     write_tum((folder / "truth.tum").string(), drive.truth);
   }
-  static void TearDownTestSuite() { runner.reset(); }
-
-  static std::string path(const std::string& name) { return runner->path(name); }
-  static Outcome call(const Args& args) { return runner->call(args); }
 
   /// A small `parloc run` on the room; later arguments win over none of these, so leave out what is to be
   /// given.
   static Args run_args(const Args& more, const std::string& log = "drive.log",
                        const std::string& out = "out") {
-    Args args{"run", "--map", path("room.yaml"), "--log", path(log), "--out", path(out), "--backend", "cpu"};
-    args.insert(args.end(), more.begin(), more.end());
-    return args;
+    return with(
+        {"run", "--map", path("room.yaml"), "--log", path(log), "--out", path(out), "--backend", "cpu"},
+        more);
   }
   static Args with_truth(const Args& more = {}) {
-    Args args = run_args({"--truth", path("truth.tum"), "--particles", "300"});
-    args.insert(args.end(), more.begin(), more.end());
-    return args;
+    return with(run_args({"--truth", path("truth.tum"), "--particles", "300"}), more);
   }
 
-  static inline std::unique_ptr<test::ProgramRunner> runner;
   static inline fs::path folder;
   static inline GridMap room;
-  static inline test::SmallDrive drive;
+  static inline SmallDrive drive;
 };
 
 TEST_F(Program, LocalizesAndWritesEverything) {
@@ -84,15 +69,14 @@ TEST_F(Program, LocalizesAndWritesEverything) {
 
   EXPECT_EQ(read_file(path("out/picture.png")).substr(1, 3), "PNG");
   EXPECT_NE(read_file(path("out/report.html")).find("</html>"), std::string::npos);
-  const Json metrics = Json::parse(read_file(path("out/metrics.json")));
+  const Json metrics = json_of("out/metrics.json");
   EXPECT_LT(metrics.at("position_max_m").get<double>(), 0.2);  // two cells
   EXPECT_EQ(read_file(path("out/errors.png")).substr(1, 3), "PNG");
   EXPECT_EQ(contents(folder / "out").size(), 5u);  // nothing temporary is left
 }
 
 TEST_F(Program, JsonIsAllThatIsPrinted) {
-  Args args = with_truth({"--json", "--quiet", "--seed", "7", "--beams", "3"});
-  const Outcome outcome = call(args);
+  const Outcome outcome = call(with_truth({"--json", "--quiet", "--seed", "7", "--beams", "3"}));
   ASSERT_EQ(outcome.code, 0) << outcome.err;
   EXPECT_EQ(outcome.err, "");
   const Json metrics = Json::parse(outcome.out);
@@ -124,9 +108,8 @@ TEST_F(Program, WithoutTruthErrorsAreNull) {
 
 TEST_F(Program, OdometryOnlyMovesParticlesWithoutScans) {
   const auto figures = [&](const Args& more) {
-    Args args = run_args({"--particles", "300", "--odometry-only", "--json"}, "drive.log", "alone");
-    args.insert(args.end(), more.begin(), more.end());
-    const Outcome outcome = call(args);
+    const Outcome outcome =
+        call(with(run_args({"--particles", "300", "--odometry-only", "--json"}, "drive.log", "alone"), more));
     EXPECT_EQ(outcome.code, 0) << outcome.err;
     const Json metrics = Json::parse(outcome.out);
     EXPECT_EQ(metrics.at("odometry_only"), true);
@@ -190,12 +173,7 @@ TEST_F(Program, ErrorsAreOneLineAndDestroyNothing) {
     return Args{"run", "--map", path(map), "--log", path("drive.log"), "--out", path("out"), init};
   };
 
-  struct Case {
-    Args args;
-    int code;
-    const char* part;
-  };
-  std::vector<Case> cases{
+  std::vector<ProgramCase> cases{
       {{}, 2, "--help"},
       {{"fly"}, 2, "--help"},
       {{"run"}, 2, "--map"},
@@ -241,15 +219,7 @@ TEST_F(Program, ErrorsAreOneLineAndDestroyNothing) {
                      6,
                      "cuda"});
   }
-  for (const Case& c : cases) {
-    const Outcome outcome = call(c.args);
-    const std::string shown = testing::PrintToString(c.args) + "\n" + outcome.err;
-    EXPECT_EQ(outcome.code, c.code) << shown;
-    EXPECT_EQ(outcome.out, "") << shown;
-    EXPECT_EQ(outcome.err.rfind("parloc: ", 0), 0u) << shown;
-    EXPECT_EQ(std::count(outcome.err.begin(), outcome.err.end(), '\n'), 1) << shown;
-    EXPECT_NE(outcome.err.find(c.part), std::string::npos) << shown;
-  }
+  for (const ProgramCase& c : cases) expect_error(call(c.args), c);
   EXPECT_TRUE(contents(folder / "out") == before);
 }
 
@@ -281,11 +251,11 @@ struct Trouble {
 
 TEST_F(Program, TroublesAreCountedAndFatalWhenStrict) {
   const auto log_with = [&](const std::function<void(std::vector<LogRecord>&)>& change) {
-    test::SmallDrive changed = drive;
+    SmallDrive changed = drive;
     change(changed.scans);
-    return test::carmen_log_of(changed);
+    return carmen_log_of(changed);
   };
-  std::string broken = test::carmen_log_of(drive);
+  std::string broken = carmen_log_of(drive);
   broken.insert(broken.find('\n') + 1, "FLASER 3 1.0 two 3.0 0 0 0 0 0 0 1 host 1\n");
   const std::vector<Trouble> troubles{
       {"broken.log", broken, {"warnings", "broken_lines"}},
@@ -315,13 +285,9 @@ TEST_F(Program, TroublesAreCountedAndFatalWhenStrict) {
     const Outcome tolerant = call(args);
     ASSERT_EQ(tolerant.code, 0) << trouble.name << tolerant.err;
     EXPECT_GT(Json::parse(tolerant.out).at(trouble.counter[0]).at(trouble.counter[1]), 0) << trouble.name;
-    Args strict_args = args;
-    strict_args.push_back("--strict");
-    const Outcome strict = call(strict_args);
-    EXPECT_EQ(strict.code, 3) << trouble.name;
-    EXPECT_NE(strict.err.find(std::string(trouble.name) + ":"), std::string::npos) << strict.err;
+    const Outcome strict = call(with(args, {"--strict"}));
+    expect_one_line(strict, 3, std::string(trouble.name) + ":");
     EXPECT_NE(strict.err.find("--strict"), std::string::npos) << strict.err;
-    EXPECT_EQ(std::count(strict.err.begin(), strict.err.end(), '\n'), 1) << strict.err;
   }
   EXPECT_EQ(call(run_args({"--init", "1,1,0", "--quiet", "--particles", "300", "--strict"})).code, 0);
 }
@@ -403,128 +369,24 @@ TEST_F(Program, EveryHelpFitsAScreen) {
   EXPECT_EQ(call({"--version"}).out.rfind("parloc ", 0), 0u);
 }
 
-TEST_F(Program, ConvertsBetweenGridsAndWalls) {
-  const auto has = [](const Outcome& outcome, const std::string& part) {
-    EXPECT_EQ(outcome.code, 0) << outcome.err;
-    EXPECT_NE(outcome.out.find(part), std::string::npos) << "'" << part << "' in\n" << outcome.out;
-  };
-  const Outcome traced =
-      call({"map", "convert", path("room.yaml"), path("walls.geojson"), "--picture", path("walls.png")});
-  has(traced, "60 x 40 cells of 0.1 m, 226 occupied");
-  has(traced, "8 segments");  // four sides of the room, four of the pillar
-  has(traced, "8 straight runs of cell faces");
-  has(traced, "at most 0 m allowed, 0.0000 m measured");
-  EXPECT_EQ(read_file(path("walls.png")).substr(1, 3), "PNG");
-
-  const Outcome info = call({"map", "info", path("walls.geojson")});
-  has(info, "8 segments, ");
-  has(info, "ring        closed");
-  has(info, "walls span  x 0.10 to 5.90 m, y 0.10 to 3.90 m");
-  has(call({"map", "check", path("walls.geojson")}), "sound, 8 segments");
-  has(call({"map", "show", path("walls.geojson"), "--out", path("shown.png")}), "");
-  EXPECT_EQ(read_file(path("shown.png")).substr(1, 3), "PNG");
-
-  const Outcome back =
-      call({"map", "convert", path("walls.geojson"), path("again.yaml"), "--resolution", "0.2"});
-  has(back, "cells of 0.2 m");
-  has(back, "at most 0.1414 m from a wall");
-  const GridMap grid = read_map(path("again.yaml"));
-  EXPECT_TRUE(grid.walls.empty());
-  EXPECT_EQ(grid.resolution_m, 0.2);
-  EXPECT_EQ(grid.at_point(0.1, 2.0), Cell::occupied);
-  EXPECT_EQ(grid.at_point(1.0, 1.0), Cell::free);
-
-  has(call({"map", "convert", path("walls.geojson"), path("walls.yaml"), "--to", "segments"}), "the same");
-  EXPECT_EQ(read_map(path("walls.yaml")).walls.size(), 8u);
-  has(call({"map", "convert", path("room.yaml"), path("rough.yaml"), "--max-error", "0.2"}), "0.2 m allowed");
-}
-
-TEST_F(Program, MapErrorsAreOneLine) {
-  write_file(path("odd.yaml"), "segments: [[0, 0, 1, 0], [1, 0, 0, 0], [2, 2, 2, 2]]\n");
-  const Outcome odd = call({"map", "check", path("odd.yaml")});
-  EXPECT_EQ(odd.code, 0) << odd.err;
-  EXPECT_NE(odd.out.find("1 of zero length, 1 duplicate left out"), std::string::npos) << odd.out;
-  EXPECT_NE(odd.out.find("no closed ring"), std::string::npos) << odd.out;
-  write_file(path("broken.yaml"), "segments:\n  - [0, 0, 1]\n");
-  write_file(path("point.geojson"), R"({"type": "Point", "coordinates": [0, 0]})");
-  GridMap solid = room;
-  solid.cells.assign(solid.cells.size(), Cell::occupied);
-  write_map(path("solid.yaml"), solid);
-  fs::create_directories(path("taken.yaml/inside"));
-  const struct {
-    Args args;
-    int code;
-    const char* part;
-  } cases[] = {
-      {{"map", "check", path("broken.yaml")}, 3, "broken.yaml:2: segments[0]: expected 4 numbers"},
-      {{"map", "check", path("point.geojson")}, 3, "found 'Point'"},
-      {{"map", "check", path("solid.yaml")}, 3, "expected a free cell"},
-      {{"map", "info", path("none.geojson")}, 3, "cannot be opened"},
-      {{"map", "convert", path("solid.yaml"), path("o.yaml")}, 3, "expected a wall to trace"},
-      {{"map", "convert", path("odd.yaml"), path("odd.yaml")}, 2, "OUT is the file that IN is"},
-      {{"map", "convert", path("odd.yaml"), path("o.geojson"), "--to", "grid"}, 2, "such as map.yaml"},
-      {{"map", "convert", path("odd.yaml"), path("o.yaml"), "--max-error", "1"}, 2, "for a grid only"},
-      {{"map", "convert", path("odd.yaml"), path("o.yaml"), "--resolution", "nan"},
-       2,
-       "--resolution: expected a number"},
-      {{"map", "convert", path("odd.yaml"), path("o.yaml"), "--resolution", "0.0001"},
-       3,
-       "coarser 'resolution'"},
-      {{"map", "convert", path("room.yaml"), path("o.yaml"), "--resolution", "1"}, 2, "for segments only"},
-      {{"map", "convert", path("room.yaml"), path("o.yaml"), "--max-error", "-1"},
-       2,
-       "--max-error: expected a number"},
-      {{"map", "convert", path("room.yaml"), path("o.yaml"), "--to", "grid"}, 2, "is a grid already"},
-      {{"map", "convert", path("room.yaml"), path("no/such/o.yaml")}, 5, "cannot be written"},
-      {{"map", "convert", path("odd.yaml"), path("taken.yaml")}, 5, "taken.yaml: cannot be written"},
-      {{"map", "convert", path("room.yaml"), path("o.shp")}, 2, "expected OUT to end in .yaml"},
-      {{"map", "convert", path("room.yaml"), path("o")}, 2, "expected OUT to end in .yaml"},
-      {{"map", "convert", path("odd.yaml"), path("o.png")}, 2, "such as map.yaml"},
-      {{"map", "convert", path("room.yaml"), path("o.yaml"), "--picture", path("no/such/p.png")},
-       5,
-       "cannot be written"},
-      {{"map", "show", path("room.yaml"), "--out", path("no/such/p.png")}, 5, "cannot be written"},
-      {{"map", "show", path("room.yaml")}, 2, "--out"},
-  };
-  for (const auto& c : cases) {
-    const Outcome outcome = call(c.args);
-    EXPECT_EQ(outcome.code, c.code) << c.part << outcome.err;
-    EXPECT_NE(outcome.err.find(c.part), std::string::npos) << outcome.err;
-    EXPECT_EQ(std::count(outcome.err.begin(), outcome.err.end(), '\n'), 1) << outcome.err;
-  }
-  for (const char* left : {"o", "o.yaml", "o.pgm", "o.png", "o.shp", "o.geojson", "taken.pgm"})
-    EXPECT_FALSE(fs::exists(path(left))) << left;
-}
-
 TEST_F(Program, LearnErrorsAreOneLine) {
   write_file(path("nothing.log"), "");
   const auto learn = [&](const std::string& log, const Args& more) {
-    Args args = {"learn",   "--map",           path("room.yaml"), "--log",         log,
-                 "--truth", path("truth.tum"), "--out",           path("learned"), "--quiet"};
-    args.insert(args.end(), more.begin(), more.end());
-    return call(args);
+    return call(with({"learn", "--map", path("room.yaml"), "--log", log, "--truth", path("truth.tum"),
+                      "--out", path("learned"), "--quiet"},
+                     more));
   };
-  const Outcome empty = learn(path("nothing.log"), {});
-  EXPECT_EQ(empty.code, 3);
-  EXPECT_NE(empty.err.find("nothing.log: expected at least 100 beams with a true pose"), std::string::npos)
-      << empty.err;
-  const Outcome beams = learn(path("drive.log"), {"--beams", "0"});
-  EXPECT_EQ(beams.code, 2);
-  EXPECT_NE(beams.err.find("scan.max_beams must be 1 to 4096"), std::string::npos) << beams.err;
-  for (const Outcome& o : {empty, beams}) EXPECT_EQ(std::count(o.err.begin(), o.err.end(), '\n'), 1) << o.err;
+  expect_one_line(learn(path("nothing.log"), {}), 3,
+                  "nothing.log: expected at least 100 beams with a true pose");
+  expect_one_line(learn(path("drive.log"), {"--beams", "0"}), 2, "scan.max_beams must be 1 to 4096");
   EXPECT_FALSE(fs::exists(path("learned")));
 }
 
-TEST_F(Program, TellsAboutMapsAndDevices) {
-  const Outcome info = call({"map", "info", path("room.yaml")});
-  EXPECT_EQ(info.code, 0) << info.err;
-  EXPECT_NE(info.out.find("60 x 40 cells, 6.00 x 4.00 m"), std::string::npos) << info.out;
-  EXPECT_NE(info.out.find("occupied    226 cells"), std::string::npos)
-      << info.out;  // 196 around, 30 in the pillar
+TEST_F(Program, TellsAboutDevices) {
   const Outcome devices = call({"devices"});
   EXPECT_EQ(devices.code, 0) << devices.err;
   EXPECT_NE(devices.out.find("cpu"), std::string::npos) << devices.out;
 }
 
 }  // namespace
-}  // namespace parloc
+}  // namespace parloc::test

@@ -2,60 +2,43 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
-#include <memory>
-#include <nlohmann/json.hpp>
 #include <string>
 
 #include "common/eval/simulator.h"
 #include "common/map/map_reader.h"
-#include "tests/system/program_runner.h"
+#include "tests/system/program_fixture.h"
 #include "tests/unit/localize_scenes.h"
 
-namespace parloc {
+namespace parloc::test {
 namespace {
 
-using Json = nlohmann::json;
-using test::Args;
-using test::Outcome;
-using test::read_file;
-using test::write_file;
-
-class RunGlobal : public testing::Test {
+class RunGlobal : public ProgramSuite {
  protected:
   static void SetUpTestSuite() {
-    runner = std::make_unique<test::ProgramRunner>(PARLOC_PROGRAM, "parloc_run_global_test");
+    open("parloc_run_global_test");
     write_file(runner->folder() / "bare.yaml", "localize:\n  health: false\n");
     write_file(runner->folder() / "watch.yaml", "localize:\n  recover: false\n");
-    const GridMap room = test::bare_room();
+    const GridMap room = bare_room();
     write_map(path("room.yaml"), room);
     std::string text;
-    for (const LogRecord& r : test::drive(room, TrialTask::global, 4.0, 4).records)
+    for (const LogRecord& r : drive(room, TrialTask::global, 4.0, 4).records)
       if (r.kind == RecordKind::scan) text += carmen_line(r) + "\n";
     write_file(runner->folder() / "room.log", text);
   }
-  static void TearDownTestSuite() { runner.reset(); }
-  static std::string path(const std::string& name) { return runner->path(name); }
   /// On the shipped corridor, a real log.
   static Outcome corridor(const Args& more, const std::string& map = "maps/malaga_corridor.yaml") {
     return run(map, "maps/logs/malaga_corridor.log.gz", more);
   }
   static Outcome room(const Args& more) { return run(path("room.yaml"), path("room.log"), more); }
-  static Json metrics() { return Json::parse(read_file(path("out/metrics.json"))); }
-  static inline std::unique_ptr<test::ProgramRunner> runner;
+  static Json metrics() { return json_of("out/metrics.json"); }
 
  private:
   static Outcome run(const std::string& map, const std::string& log, const Args& more) {
-    Args args{"run", "--map", map, "--log", log, "--backend", "cpu", "--out", path("out")};
-    args.insert(args.end(), more.begin(), more.end());
-    return runner->call(args);
+    return call(with({"run", "--map", map, "--log", log, "--backend", "cpu", "--out", path("out")}, more));
   }
 };
 
 const Args kTruth{"--truth", "maps/logs/malaga_corridor.tum"};
-Args with(Args args, const Args& more) {
-  args.insert(args.end(), more.begin(), more.end());
-  return args;
-}
 
 TEST_F(RunGlobal, FindsTheStartOfARealLog) {
   const Outcome o = corridor(with(kTruth, {"--init", "global", "--strict"}));
@@ -128,9 +111,7 @@ TEST_F(RunGlobal, PriorsNeedASearch) {
        {Args{"--init", "1,2,0", "--near", "1,2,3"}, Args{"--init", "global", "--near", "1,2"},
         Args{"--init", "global", "--heading", "0,-1"}, Args{"--init", "global", "--init", "1,2,0"},
         Args{"--init", "global", "--near", "1,2,3", "--config", path("bare.yaml")}}) {
-    const Outcome o = corridor(bad);
-    EXPECT_EQ(o.code, 2) << o.err;
-    EXPECT_EQ(std::count(o.err.begin(), o.err.end(), '\n'), 1) << o.err;
+    expect_one_line(corridor(bad), 2, "");
   }
   const Outcome nowhere = corridor({"--init", "global", "--near", "500,500,1", "--quiet"});
   EXPECT_EQ(nowhere.code, 3);
@@ -138,4 +119,4 @@ TEST_F(RunGlobal, PriorsNeedASearch) {
 }
 
 }  // namespace
-}  // namespace parloc
+}  // namespace parloc::test

@@ -7,7 +7,7 @@
 #include <limits>
 
 #include "common/math/portable64.h"
-#include "cpu/simd.h"
+#include "tests/unit/instruction_sets.h"
 #include "tests/unit/localize_scenes.h"
 
 namespace parloc {
@@ -159,10 +159,8 @@ TEST(Localizer, TheSameBitsWithAnyThreadsAndInstructionSet) {
   const std::string expected = all_bits(log, map, 1);
   EXPECT_EQ(all_bits(log, map, 2), expected);
   for (const cpu::Simd most : {cpu::Simd::baseline, cpu::Simd::avx2}) {
-    cpu::limit_simd(most);
-    const bool same = all_bits(log, map, 2) == expected;
-    cpu::limit_simd(cpu::Simd::avx512);
-    EXPECT_TRUE(same) << cpu::simd_name(most);
+    const test::SimdLimit limit(most);
+    EXPECT_TRUE(all_bits(log, map, 2) == expected) << cpu::simd_name(most);
   }
 }
 

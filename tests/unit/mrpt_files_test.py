@@ -18,7 +18,7 @@ ROOT = pathlib.Path(__file__).resolve().parents[2]
 sys.path.insert(0, str(ROOT / "tools"))
 import compare_mrpt as compare  # noqa: E402
 import mrpt_files as mrpt  # noqa: E402
-from accuracy import Failure  # noqa: E402
+from measuring import Failure  # noqa: E402
 
 DATASETS = pathlib.Path("/usr/share/mrpt/datasets")
 

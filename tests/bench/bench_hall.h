@@ -1,0 +1,50 @@
+// What the benchmarks of steps share: the place, and whether a GPU answers.
+#pragma once
+
+#include <string>
+
+#include "common/error.h"
+#include "common/eval/simulator.h"
+#include "common/filter/backend.h"
+#include "common/map/map_reader.h"
+
+namespace parloc::bench {
+
+/// A map, and a scan from a pose on it.
+struct Place {
+  GridMap map;
+  Scan scan;
+  Pose pose;
+};
+
+/// The hall with obstacles, from half-way along the path of Paz et al. 2012: the first so many of the 541
+/// beams of its LiDAR, simulated against the map of 1 cm.
+inline Place hall_with_scan(int beams) {
+  const std::string root = std::string(PARLOC_SOURCE_DIR) + "/";
+  Scenario scenario = read_scenario(root + "configs/paz2012_scenario.yaml");
+  scenario.lidar.dropout_probability = 0.0;  // so that every selected beam is used
+  scenario.lidar.beams = beams;
+  const SimulatedLog log =
+      simulate(scenario, read_map(scenario.map_path), [](double fraction) { return fraction < 0.5; });
+  Place p;
+  p.map = read_map(root + "maps/hall_obstacles.yaml");
+  p.pose = log.truth.back().pose;
+  for (const LogRecord& record : log.records)
+    if (record.kind == RecordKind::scan) p.scan = record.scan;
+  return p;
+}
+
+/// If not, the benchmark's context says why: describe_devices().
+inline bool cuda_answers() {
+  try {
+    BackendConfig config;
+    config.particles = 1;
+    std::string why;
+    make_backend(BackendChoice::cuda, config, why);
+    return true;
+  } catch (const Error&) {
+    return false;
+  }
+}
+
+}  // namespace parloc::bench

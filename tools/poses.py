@@ -1,0 +1,17 @@
+"""Poses in the plane, as tuples: x [m], y [m], heading [rad]."""
+
+import math
+
+
+def wrap(angle_rad):
+    return (angle_rad + math.pi) % (2 * math.pi) - math.pi
+
+
+def compose(a, b):
+    s, c = math.sin(a[2]), math.cos(a[2])
+    return a[0] + c * b[0] - s * b[1], a[1] + s * b[0] + c * b[1], wrap(a[2] + b[2])
+
+
+def inverse(a):
+    s, c = math.sin(a[2]), math.cos(a[2])
+    return -c * a[0] - s * a[1], s * a[0] - c * a[1], -a[2]
