@@ -32,6 +32,7 @@ Json plan_json(const Comparison& c) {
             {"lost_m", kLost_m}};
   if (c.plan.kidnapping)
     json["kidnapping"] = {{"after_s", c.plan.kidnapping->after_s},
+                          {"until_s", c.plan.kidnapping->until_s},
                           {"distance_m", c.plan.kidnapping->distance_m}};
   return json;
 }
@@ -55,9 +56,11 @@ Json published_json(const PublishedSetting* setting) {
           {"rows", rows}};
 }
 
-Json run_json(const FilterRun& r) {
+Json run_json(const Comparison& c, const FilterRun& r) {
   const TrackErrors& e = r.errors;
+  const auto& kidnapping = c.plan.kidnapping;
   return {{"seed", r.seed},
+          {"kidnapped_s", kidnapping ? Json(kidnapped_after_s(*kidnapping, r.seed)) : Json(nullptr)},
           {"scans", r.scans},
           {"compared", e.compared},
           {"skipped", r.skipped},
@@ -70,7 +73,9 @@ Json run_json(const FilterRun& r) {
           {"nees", r.nees},
           {"final_m", r.final_m},
           {"lost", r.lost()},
+          {"lost_s", or_null(r.lost_s)},
           {"found_s", or_null(r.found_s)},
+          {"away", r.away},
           {"particles", r.particles}};
 }
 
@@ -81,6 +86,9 @@ Json filter_json(const Comparison& c, std::size_t k) {
             {"kind", e.kind},
             {"runs", s.runs},
             {"lost", s.lost},
+            {"kept", s.runs - s.lost},  // in the means of errors
+            {"lost_s", pair_json(s.lost_s)},
+            {"away", s.away},
             {"particles", s.particles},
             {"skipped", s.skipped},
             {"position_rmse_m", pair_json(s.position_rmse_m)},
@@ -90,10 +98,9 @@ Json filter_json(const Comparison& c, std::size_t k) {
             {"heading_mae_rad", pair_json(s.heading_mae_rad)},
             {"heading_max_rad", pair_json(s.heading_max_rad)},
             {"nees", pair_json(s.nees)},
-            {"kept_position_rmse_m", pair_json(s.kept_rmse_m)},
             {"config", config_to_yaml(e.config)},
             {"each", Json::array()}};
-  for (const FilterRun& r : c.outcome.runs[k]) json["each"].push_back(run_json(r));
+  for (const FilterRun& r : c.outcome.runs[k]) json["each"].push_back(run_json(c, r));
   return json;
 }
 
