@@ -63,16 +63,6 @@ void declare(CLI::App& app, CompareOptions& o) {
   app.footer("Kinds: mcl amcl ekf ekf_beams edh naedh ledh gromov pfpf. docs/compare.md");
 }
 
-std::uint64_t whole_within(const char* option, const std::string& text, std::uint64_t low, std::uint64_t high,
-                           std::uint64_t otherwise) {
-  if (text.empty()) return otherwise;
-  const auto value = parse_whole_number<std::uint64_t>(option, text);
-  if (value < low || value > high)
-    throw Error(ErrorKind::usage,
-                fmt::format("{}: expected a whole number from {} to {}, got '{}'", option, low, high, text));
-  return value;
-}
-
 /// "0.5,30": two numbers from 0 on.
 std::pair<double, double> two_numbers(const char* option, const std::string& text, double most,
                                       double second_most) {

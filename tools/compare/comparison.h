@@ -4,10 +4,10 @@
 #include <cstddef>
 #include <cstdint>
 #include <string>
-#include <utility>
 #include <vector>
 
 #include "tools/bench/machine.h"
+#include "tools/bench/page_parts.h"
 #include "tools/bench/statistics.h"
 #include "tools/bench/table.h"
 #include "tools/compare/published.h"
@@ -51,8 +51,9 @@ struct Comparison {
 };
 
 /// What was compared, and how: name and value.
-using Lines = std::vector<std::pair<std::string, std::string>>;
+using Lines = bench::Lines;
 Lines origin_lines(const Comparison& c);
+Lines machine_lines(const Comparison& c);
 
 /// One row per filter. The second holds what a clock has measured.
 bench::Table error_table(const Comparison& c);

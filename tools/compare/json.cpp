@@ -1,7 +1,7 @@
 #include <nlohmann/json.hpp>
 
 #include "common/io/config.h"
-#include "tools/bench/build_info.h"
+#include "tools/bench/json_parts.h"
 #include "tools/compare/comparison.h"
 
 namespace parloc::compare {
@@ -108,13 +108,7 @@ Json times_json(const Comparison& c) {
   Json json{{"date", c.date},
             {"wall_s", c.wall_s},
             {"jobs", c.request.jobs},
-            {"machine",
-             {{"cpu", c.machine.cpu},
-              {"cores", c.machine.cores},
-              {"memory_bytes", c.machine.memory_bytes},
-              {"os", c.machine.os},
-              {"load_average", c.machine.load_average},
-              {"devices", c.machine.devices}}},
+            {"machine", bench::machine_json(c.machine)},
             {"filters", Json::array()}};
   for (std::size_t k = 0; k < c.summaries.size(); ++k) {
     const Summary& s = c.summaries[k];
@@ -132,18 +126,13 @@ Json times_json(const Comparison& c) {
 
 std::string json_text(const Comparison& c) {
   Json json{{"tool", "parloc compare"}, {"command", c.command}, {"interrupted", c.interrupted}};
-  json["build"] = {{"version", bench::kVersion},
-                   {"commit", bench::kCommit[0] == '\0' ? Json(nullptr) : Json(bench::kCommit)},
-                   {"compiler", bench::kCompiler},
-                   {"flags", bench::kFlags},
-                   {"build_type", bench::kBuildType}};
+  json["build"] = bench::build_json();
   json["plan"] = plan_json(c);
   json["published"] = published_json(c.published);
   json["filters"] = Json::array();
   for (std::size_t k = 0; k < c.summaries.size(); ++k) json["filters"].push_back(filter_json(c, k));
   json["times"] = times_json(c);
-  // A file name in `command` may hold any bytes.
-  return json.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
+  return bench::file_text(json);
 }
 
 }  // namespace parloc::compare

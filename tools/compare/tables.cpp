@@ -41,15 +41,6 @@ std::string kidnapping_text(const Kidnapping& k) {
   return fmt::format("{}, along its path to {:g} m from where it was", when, k.distance_m);
 }
 
-Lines machine_lines(const Comparison& c) {
-  Lines lines{{"machine", fmt::format("{}, {} core{}", c.machine.cpu, c.machine.cores,
-                                      c.machine.cores == 1 ? "" : "s")}};
-  std::string how = c.request.jobs == 1 ? std::string("one filter at a time, each in one thread")
-                                        : fmt::format("{} at once, which disturb each other", c.request.jobs);
-  lines.emplace_back("times", how + fmt::format("; whole work {:.1f} s", c.wall_s));
-  return lines;
-}
-
 }  // namespace
 
 Lines origin_lines(const Comparison& c) {
@@ -75,6 +66,15 @@ Lines origin_lines(const Comparison& c) {
                                  kLost_m));
   const std::string commit = bench::kCommit[0] == '\0' ? "" : fmt::format(", commit {}", bench::kCommit);
   lines.emplace_back("build", fmt::format("parloc {}{}", bench::kVersion, commit));
+  return lines;
+}
+
+Lines machine_lines(const Comparison& c) {
+  Lines lines{{"machine", fmt::format("{}, {} core{}", c.machine.cpu, c.machine.cores,
+                                      c.machine.cores == 1 ? "" : "s")}};
+  std::string how = c.request.jobs == 1 ? std::string("one filter at a time, each in one thread")
+                                        : fmt::format("{} at once, which disturb each other", c.request.jobs);
+  lines.emplace_back("times", how + fmt::format("; whole work {:.1f} s", c.wall_s));
   return lines;
 }
 
