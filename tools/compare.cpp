@@ -180,6 +180,12 @@ void run_with_progress(Comparison& c, const DriveSource& source, const GridMap& 
   for (const auto& runs : c.outcome.runs) c.summaries.push_back(compare::summarise(runs));
 }
 
+/// Without any, every filter would be one that drives blind.
+void check_walls(const GridMap& map, const std::string& path) {
+  if (std::find(map.cells.begin(), map.cells.end(), Cell::occupied) == map.cells.end())
+    throw input_error(path, 0, "expected a map with walls, found no occupied cell");
+}
+
 constexpr const char* kJson = "compare.json";
 constexpr const char* kMarkdown = "compare.md";
 constexpr const char* kPage = "report.html";
@@ -196,6 +202,7 @@ int run(const CompareOptions& o, const std::string& typed) {
   const std::unique_ptr<DriveSource> source = source_of(o, c);
   c.source = source->what();
   const GridMap map = load_map(c.map_path).map;
+  check_walls(map, c.map_path);
   c.published = published_for(o, c, map);
   std::unique_ptr<OutputFolder> out;
   if (!o.out.empty())

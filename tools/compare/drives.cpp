@@ -86,6 +86,7 @@ class RecordedDrives : public DriveSource {
     log_.truth = read_tum(truth);
     const auto reader = open_carmen_log(log);
     for (LogRecord record; reader->next(record);) log_.records.push_back(std::move(record));
+    broken_lines_ = reader->warnings().broken_lines;
     if (std::none_of(log_.records.begin(), log_.records.end(), is_scan))
       throw input_error(log, 0, "expected at least one scan (FLASER, RLASER or ROBOTLASER1), found none");
     trim(log_, plan, truth);
@@ -96,11 +97,16 @@ class RecordedDrives : public DriveSource {
     kidnap_as_planned(log, plan_, seed);
     return log;
   }
-  std::string what() const override { return name_ + ": recorded"; }
+  std::string what() const override {
+    const std::string skipped =
+        broken_lines_ > 0 ? fmt::format(", {} broken lines were skipped", broken_lines_) : "";
+    return name_ + ": recorded" + skipped;
+  }
 
  private:
   DrivePlan plan_;
   TrialLog log_;
+  std::size_t broken_lines_ = 0;
   std::string name_;
 };
 
@@ -116,6 +122,10 @@ void kidnap(TrialLog& log, double after_s, double distance_m) {
   const double from_s = log.records.front().stamp_s + after_s;
   std::size_t last = 0;  // of the scans before it
   while (last < truth.size() && !(truth[last] && log.records[last].stamp_s >= from_s)) ++last;
+  if (last == truth.size())
+    throw Error(ErrorKind::input,
+                fmt::format("--kidnap: expected a drive of more than {:g} s, this one takes {:g} s", after_s,
+                            log.records.back().stamp_s - log.records.front().stamp_s));
   std::size_t next = last + 1;
   const auto far = [&](std::size_t k) {
     return truth[k] &&

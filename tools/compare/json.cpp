@@ -112,11 +112,12 @@ Json times_json(const Comparison& c) {
             {"filters", Json::array()}};
   for (std::size_t k = 0; k < c.summaries.size(); ++k) {
     const Summary& s = c.summaries[k];
+    const bool timed = s.step.count > 0;
     json["filters"].push_back({{"filter", c.request.entries[k].label},
                                {"backend", c.outcome.backends[k]},
                                {"steps", s.step.count},
-                               {"step_median_ms", 1e3 * s.step.median_s},
-                               {"step_p99_ms", 1e3 * s.step.p99_s},
+                               {"step_median_ms", timed ? Json(1e3 * s.step.median_s) : Json(nullptr)},
+                               {"step_p99_ms", timed ? Json(1e3 * s.step.p99_s) : Json(nullptr)},
                                {"real_time_factor", s.real_time_factor}});
   }
   return json;

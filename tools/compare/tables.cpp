@@ -123,8 +123,10 @@ bench::Table time_table(const Comparison& c) {
                {"", "x real time"},  {"", "scans skipped"}, {"", "backend", true}};
   for (std::size_t k = 0; k < c.summaries.size(); ++k) {
     const Summary& s = c.summaries[k];
+    const bool timed = s.step.count > 0;
     t.rows.push_back({c.request.entries[k].label, s.particles > 0.0 ? number(s.particles, 0) : "-",
-                      bench::milliseconds_text(s.step.median_s), bench::milliseconds_text(s.step.p99_s),
+                      timed ? bench::milliseconds_text(s.step.median_s) : "-",
+                      timed ? bench::milliseconds_text(s.step.p99_s) : "-",
                       bench::significant(s.real_time_factor, 3), percent(s.skipped),
                       c.outcome.backends[k].empty() ? "-" : c.outcome.backends[k]});
   }
