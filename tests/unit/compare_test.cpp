@@ -209,7 +209,8 @@ TEST(ComparePublished, RowsAreFoundWhereTheSettingIsTheirs) {
 // For wheels of kappa, the motion model's variances of one scan's motion are those of the wheels (SPEC 1.6).
 TEST(CompareConfigs, MotionNoiseIsThatOfTheWheels) {
   constexpr double base_m = 0.16, step_m = 0.18 / 5.0, turn_rad = 0.6 / 5.0;
-  for (const auto& [name, kappa_m] : {std::pair{"1e-6", 1e-6}, {"1e-4", 1e-4}, {"5e-3", 5e-3}}) {
+  for (const auto& [name, kappa_m] :
+       {std::pair{"1e-6", 1e-6}, {"1e-4", 1e-4}, {"5e-4", 5e-4}, {"5e-3", 5e-3}}) {
     const FilterConfig c =
         read_entries("ekf=" + kRoot + "configs/compare/kappa_" + name + ".yaml", {})[0].config;
     const MotionStep drive = motion_step({0.0, step_m, 0.0}, c.motion);
