@@ -2,8 +2,10 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <atomic>
 #include <cmath>
 #include <optional>
+#include <thread>
 #include <vector>
 
 #include "common/error.h"
@@ -13,6 +15,7 @@
 #include "tests/unit/simulated.h"
 #include "tests/unit/small_drive.h"
 #include "tests/unit/temp_file.h"
+#include "tools/bench/run_items.h"
 #include "tools/compare/comparison.h"
 
 namespace parloc::compare {
@@ -165,6 +168,45 @@ TEST(CompareFollow, ARunIsLostWhenItIsLost) {
   const auto gone = std::count_if(run->errors.stamp_s.begin(), run->errors.stamp_s.end(),
                                   [&](double stamp_s) { return stamp_s >= log.kidnapped_s; });
   EXPECT_NEAR(run->away, static_cast<double>(gone) / static_cast<double>(run->scans), 1e-9);
+}
+
+// ---- several threads
+// ---------------------------------------------------------------------------------------
+TEST(RunItems, EveryItemIsDoneOnceByAWorkerOfItsThread) {
+  std::vector<int> done(100, 0), by(100, -1);
+  bench::run_items({100, 3, {}, {}}, [&](std::size_t thread, const bench::KeepGoing&) -> bench::Worker {
+    return [&, thread](std::size_t k) { ++done[k], by[k] = static_cast<int>(thread); };
+  });
+  EXPECT_EQ(std::count(done.begin(), done.end(), 1), 100);
+  EXPECT_TRUE(std::all_of(by.begin(), by.end(), [](int thread) { return thread >= 0 && thread < 3; }));
+}
+
+TEST(RunItems, AnErrorOrAStopEndsTheWork) {
+  std::atomic<int> done = 0;
+  const auto failing = [&](std::size_t, const bench::KeepGoing&) -> bench::Worker {
+    return [&](std::size_t k) {
+      ++done;
+      if (k == 3) throw Error(ErrorKind::input, "the fourth");
+    };
+  };
+  EXPECT_EQ(error_of([&] { bench::run_items({1000, 1, {}, {}}, failing); }, ErrorKind::input), "the fourth");
+  EXPECT_EQ(done, 4);
+  // The other thread waits for what the error of this one brings about.
+  const auto waiting = [](std::size_t, const bench::KeepGoing& keep_going) -> bench::Worker {
+    return [&](std::size_t k) {
+      if (k == 0) throw Error(ErrorKind::input, "the first");
+      while (keep_going()) std::this_thread::yield();
+    };
+  };
+  EXPECT_EQ(error_of([&] { bench::run_items({2, 2, {}, {}}, waiting); }, ErrorKind::input), "the first");
+  bool told = false;
+  bench::run_items({1, 1, [] { return true; }, [&] { told = true; }},
+                   [](std::size_t, const bench::KeepGoing& keep_going) -> bench::Worker {
+                     return [&](std::size_t) {
+                       while (keep_going()) std::this_thread::yield();
+                     };
+                   });
+  EXPECT_TRUE(told);
 }
 
 // ---- many runs --------------------------------------------------------------------------------------------
