@@ -206,7 +206,7 @@ def error_table(result):
 
 def seeds_text(result):
     first, count = result["plan"]["first_seed"], result["plan"]["seeds"]
-    return f"seeds {first} to {first + count - 1}"
+    return f"seeds {first} to {first + count - 1}" if count > 1 else f"seed {first}"
 
 
 def house_text(results):
@@ -242,7 +242,7 @@ def speed_text(result):
 
 
 def logs_text(results):
-    return f"\n## Recorded logs\n\nSeeds change the filter only: {seeds_text(next(iter(results.values())))}.\n" + "".join(f"\n### {name}\n\n{error_table(result)}\n" for name, result in results.items())
+    return f"\n## Recorded logs\n\nOf the filter only: {seeds_text(next(iter(results.values())))}.\n" + "".join(f"\n### {name}\n\n{error_table(result)}\n" for name, result in results.items())
 
 
 def clutter_cells(f):

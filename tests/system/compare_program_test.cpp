@@ -47,6 +47,8 @@ class CompareProgram : public testing::Test {
     write_file(runner->folder() / "elsewhen.tum", "5.0 1 1 0 0 0 0 1\n5.1 1 1 0 0 0 0 1\n");
     write_file(runner->folder() / "empty.log", "# nothing\n");
     write_file(runner->folder() / "nan.tum", "5.0 1 1 0 0 0 0 1\n5.1 nan 1 0 0 0 0 1\n");
+    write_file(runner->folder() / "short.log", "FLASER 3 5 5 5 2 2 0 2 2 0 5.0 test 5.0\n");
+    write_file(runner->folder() / "short.tum", "5.0 2 2 0 0 0 0 1\n");
     write_file(runner->folder() / "broken.yaml", "{map: [\n");
     write_file(runner->folder() / "bare.yaml",
                "image: bare.pgm\nresolution: 0.05\norigin: [0, 0, 0]\nnegate: 0\noccupied_thresh: 0.65\n"
@@ -163,6 +165,14 @@ TEST_F(CompareProgram, ARecordedLog) {
   EXPECT_TRUE(j["plan"]["unmapped_hits"].is_null());
   EXPECT_EQ(j["filters"][1]["position_rmse_m"]["deviation"], 0.0);  // has no chance in it
   EXPECT_GT(j["filters"][0]["position_rmse_m"]["deviation"].get<double>(), 0.0);
+}
+
+TEST_F(CompareProgram, BrokenLinesOfALogAreTold) {
+  write_file(path("broken.log"), read_file(path("short.log")) + "FLASER 3 1 nan\n");
+  const Outcome o = compare({"--log", path("broken.log"), "--map", kLog[3], "--truth", path("short.tum"),
+                             "--filters", "ekf", "--seeds", "1"});
+  EXPECT_EQ(o.code, 0) << o.err;
+  EXPECT_NE(o.out.find("recorded, 1 broken line was skipped"), std::string::npos) << o.out;
 }
 
 TEST_F(CompareProgram, CtrlCKeepsWhatIsDone) {

@@ -98,8 +98,10 @@ class RecordedDrives : public DriveSource {
     return log;
   }
   std::string what() const override {
-    const std::string skipped =
-        broken_lines_ > 0 ? fmt::format(", {} broken lines were skipped", broken_lines_) : "";
+    std::string skipped;
+    if (broken_lines_ > 0)
+      skipped =
+          fmt::format(", {} broken line{} skipped", broken_lines_, broken_lines_ == 1 ? " was" : "s were");
     return name_ + ": recorded" + skipped;
   }
 
