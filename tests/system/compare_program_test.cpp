@@ -225,6 +225,7 @@ TEST_F(CompareProgram, ErrorsAreOneLineWithACode) {
       {with({"--sigma", "0.1"}), 2, "two numbers"},
       {with({"--start-error", "1;2"}), 2, "two numbers"},
       {with({"--start-error", "1,nan"}), 2, "--start-error"},
+      {with({"--filters", "ekf", "--start-error", "999,0"}), 3, "ekf, seed 1: start pose"},
       {with({"--kidnap", "-1,2"}), 2, "--kidnap"},
       {with({"--kidnap", "9..5,2"}), 2, "--kidnap"},
       {with({"--kidnap", "5..,2"}), 2, "--kidnap"},

@@ -1,11 +1,14 @@
 #include "tools/compare/run_all.h"
 
+#include <fmt/format.h>
+
 #include <atomic>
 #include <memory>
 #include <mutex>
 #include <optional>
 #include <utility>
 
+#include "common/error.h"
 #include "tools/bench/run_items.h"
 
 namespace parloc::compare {
@@ -38,12 +41,19 @@ class SeedRunner {
     count(log);
     for (std::size_t k = 0; k < filters_.size() && keep_going_(); ++k) {
       if (!filters_[k]) filters_[k] = made(k);
-      board_.runs[k][s] = follow(*filters_[k], log, request_.start, seed, keep_going_);
+      board_.runs[k][s] = followed(k, log, seed);
       if (board_.runs[k][s]) ++board_.finished;
     }
   }
 
  private:
+  std::optional<FilterRun> followed(std::size_t k, const TrialLog& log, std::uint64_t seed) {
+    try {
+      return follow(*filters_[k], log, request_.start, seed, keep_going_);
+    } catch (const Error& e) {
+      throw Error(e.kind(), fmt::format("{}, seed {}: {}", request_.entries[k].label, seed, e.what()));
+    }
+  }
   std::unique_ptr<PoseFilter> made(std::size_t k) {
     const Entry& e = request_.entries[k];
     auto filter = make_pose_filter(e.kind, e.config, map_);
