@@ -32,6 +32,8 @@ namespace {
 using compare::Comparison;
 using compare::DriveSource;
 
+constexpr double kLongest_s = 1e6, kFarthest_m = 1e4;
+
 /// The command line; what was not given is empty.
 struct CompareOptions {
   std::string filters, scenario, log, truth, map, config, seeds, seed, duration, sigma, start_error, kidnap,
@@ -51,7 +53,7 @@ void declare(CLI::App& app, CompareOptions& o) {
   add_text_option(app, "--duration", o.duration, "S", "Only so much of each drive");
   add_text_option(app, "--sigma", o.sigma, "M,RAD", "Spread of the start they are told (0.1,0.05)");
   add_text_option(app, "--start-error", o.start_error, "M,DEG", "How wrong that start is (0,0)");
-  add_text_option(app, "--kidnap", o.kidnap, "S,M", "After S seconds, carry the robot off by M metres");
+  add_text_option(app, "--kidnap", o.kidnap, "S[..T],M", "After S (to T) s carry the robot off by M metres");
   add_text_option(app, "--kappa", o.kappa, "M", "Error of the wheels, instead of the scenario's");
   add_text_option(app, "--people", o.people, "N", "Around the robot, instead of the scenario's");
   add_text_option(app, "--jobs", o.jobs, "K", "Seeds at once: spoils the times (1)");
@@ -59,16 +61,6 @@ void declare(CLI::App& app, CompareOptions& o) {
   app.add_flag("--quiet", o.quiet, "No progress and no tables");
   app.get_help_ptr()->group("");  // whoever reads the list knows it
   app.footer("Kinds: mcl amcl ekf ekf_beams edh naedh ledh gromov pfpf. docs/compare.md");
-}
-
-std::uint64_t whole_within(const char* option, const std::string& text, std::uint64_t low, std::uint64_t high,
-                           std::uint64_t otherwise) {
-  if (text.empty()) return otherwise;
-  const auto value = parse_whole_number<std::uint64_t>(option, text);
-  if (value < low || value > high)
-    throw Error(ErrorKind::usage,
-                fmt::format("{}: expected a whole number from {} to {}, got '{}'", option, low, high, text));
-  return value;
 }
 
 /// "0.5,30": two numbers from 0 on.
@@ -82,8 +74,18 @@ std::pair<double, double> two_numbers(const char* option, const std::string& tex
           parse_number(option, text.substr(comma + 1), 0.0, second_most)};
 }
 
+/// "60,2" or "60..180,2".
+compare::Kidnapping kidnapping_of(const std::string& text) {
+  const std::size_t dots = text.find("..");
+  const bool single = dots == std::string::npos;
+  compare::Kidnapping k;
+  std::tie(k.until_s, k.distance_m) =
+      two_numbers("--kidnap", single ? text : text.substr(dots + 2), kLongest_s, kFarthest_m);
+  k.after_s = single ? k.until_s : parse_number("--kidnap", text.substr(0, dots), 0.0, k.until_s);
+  return k;
+}
+
 constexpr double kRadPerDeg = 3.14159265358979323846 / 180.0;
-constexpr double kLongest_s = 1e6, kFarthest_m = 1e4;
 constexpr std::uint64_t kMostSeeds = 10000, kLastSeed = 1000000000;
 
 void check_options(const CompareOptions& o) {
@@ -101,10 +103,7 @@ void check_options(const CompareOptions& o) {
 compare::DrivePlan plan_of(const CompareOptions& o) {
   compare::DrivePlan plan;
   if (!o.duration.empty()) plan.duration_s = parse_number("--duration", o.duration, 0.5, kLongest_s);
-  if (!o.kidnap.empty()) {
-    const auto [after_s, distance_m] = two_numbers("--kidnap", o.kidnap, kLongest_s, kFarthest_m);
-    plan.kidnapping = {after_s, distance_m};
-  }
+  if (!o.kidnap.empty()) plan.kidnapping = kidnapping_of(o.kidnap);
   return plan;
 }
 
@@ -181,6 +180,12 @@ void run_with_progress(Comparison& c, const DriveSource& source, const GridMap& 
   for (const auto& runs : c.outcome.runs) c.summaries.push_back(compare::summarise(runs));
 }
 
+/// Without any, every filter would be one that drives blind.
+void check_walls(const GridMap& map, const std::string& path) {
+  if (std::find(map.cells.begin(), map.cells.end(), Cell::occupied) == map.cells.end())
+    throw input_error(path, 0, "expected a map with walls, found no occupied cell");
+}
+
 constexpr const char* kJson = "compare.json";
 constexpr const char* kMarkdown = "compare.md";
 constexpr const char* kPage = "report.html";
@@ -197,6 +202,7 @@ int run(const CompareOptions& o, const std::string& typed) {
   const std::unique_ptr<DriveSource> source = source_of(o, c);
   c.source = source->what();
   const GridMap map = load_map(c.map_path).map;
+  check_walls(map, c.map_path);
   c.published = published_for(o, c, map);
   std::unique_ptr<OutputFolder> out;
   if (!o.out.empty())

@@ -64,16 +64,6 @@ void declare(CLI::App& app, EvaluateOptions& o) {
   app.footer("docs/evaluate.md");
 }
 
-std::uint64_t whole_within(const char* option, const std::string& text, std::uint64_t low, std::uint64_t high,
-                           std::uint64_t otherwise) {
-  if (text.empty()) return otherwise;
-  const auto value = parse_whole_number<std::uint64_t>(option, text);
-  if (value < low || value > high)
-    throw Error(ErrorKind::usage,
-                fmt::format("{}: expected a whole number from {} to {}, got '{}'", option, low, high, text));
-  return value;
-}
-
 constexpr double kLongest_s = 1e5;
 constexpr std::uint64_t kMostTrials = 100000, kLastSeed = 1000000000;
 

@@ -2,8 +2,10 @@
 """tools/compare_filters.py: which bars it calls kept, and the page that it writes of its results."""
 
 import copy
+import json
 import pathlib
 import sys
+import tempfile
 import unittest
 
 sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[2] / "tools"))
@@ -11,22 +13,25 @@ import compare_filters  # noqa: E402
 
 
 def pair(mean):
-    return {"mean": mean, "deviation": 0.001}
+    return {"mean": mean, "deviation": None if mean is None else 0.001}
 
 
 def row(name, position, heading, lost=0, particles=0):
+    if lost == 20:  # nothing to make a mean of
+        position = heading = None
     return {"filter": name, "kind": name.split("@")[0].split(":")[0], "runs": 20, "lost": lost, "particles": particles,
             "position_rmse_m": pair(position), "position_mae_m": pair(position), "position_max_m": pair(position),
-            "heading_rmse_rad": pair(heading), "heading_mae_rad": pair(heading), "nees": pair(3.0),
-            "kept_position_rmse_m": {"mean": None, "deviation": None} if lost == 20 else pair(position)}
+            "heading_rmse_rad": pair(heading), "heading_mae_rad": pair(heading), "nees": pair(3.0), "away": 0.015,
+            "lost_s": pair(92.0 if lost else None)}
 
 
-PUBLISHED = {"rows": [{"filter": "ekf", "particles": 0, "position_rmse_m": 0.05, "heading_rmse_rad": 0.02},
-                      {"filter": "edh", "particles": 100, "position_rmse_m": 0.04, "heading_rmse_rad": 0.02}]}
+PUBLISHED = {"rows": [{"name": "EKF", "filter": "ekf", "particles": 0, "position_rmse_m": 0.05, "heading_rmse_rad": 0.02, "step_ms": 6.2},
+                      {"name": "EDH, 100", "filter": "edh", "particles": 100, "position_rmse_m": 0.04, "heading_rmse_rad": 0.02,
+                       "step_ms": None}]}
 
 
 def result(*rows, unmapped=None):
-    return {"plan": {"unmapped_hits": unmapped}, "published": PUBLISHED, "filters": list(rows)}
+    return {"plan": {"unmapped_hits": unmapped, "first_seed": 21, "seeds": 20}, "published": PUBLISHED, "filters": list(rows)}
 
 
 GOOD = {"house": {"1e-4": result(row("ekf:wide_field", 0.05, 0.02), row("edh@100", 0.019, 0.009, particles=100))}}
@@ -42,10 +47,17 @@ class Bars(unittest.TestCase):
         bad["house"]["1e-4"]["filters"][0]["heading_rmse_rad"] = pair(0.0201)
         self.assertEqual([holds for _, _, holds in compare_filters.judged(bad)], [True, False, True])
 
-    def test_the_best_must_not_be_lost(self):
+    # The means are of the runs that are left: good ones say nothing of a filter that lost the others.
+    def test_a_lost_run_misses(self):
         bad = copy.deepcopy(GOOD)
         bad["house"]["1e-4"]["filters"][1]["lost"] = 1
-        self.assertEqual([holds for _, _, holds in compare_filters.judged(bad)], [True, True, False])
+        self.assertEqual([holds for _, _, holds in compare_filters.judged(bad)], [False, True, False])
+
+    def test_a_filter_that_lost_all_runs_misses(self):
+        bad = {"house": {"1e-4": result(row("ekf:wide_field", 0.05, 0.02), row("edh@100", None, None, lost=20, particles=100))}}
+        bars = compare_filters.judged(bad)
+        self.assertEqual([holds for _, _, holds in bars], [False, True, False])
+        self.assertEqual(bars[0][1], "20 lost, - m, - rad")
 
     def test_speed_is_that_of_the_median_step(self):
         times = {"filters": [{"filter": "edh@100", "step_median_ms": 0.041, "step_p99_ms": 1, "real_time_factor": 9000},
@@ -66,8 +78,30 @@ class Page(unittest.TestCase):
 
     def test_published_figures_stand_beside(self):
         text = compare_filters.house_text(GOOD["house"])
-        self.assertIn("| edh@100 | 0 of 20 | 0.0190 +- 0.0010 |", text)
+        self.assertIn("| edh@100 | 0 of 20 | 1.5 % | 0.0190 +- 0.0010 |", text)
         self.assertIn("| 0.0400 / 0.0200 |", text)
+        self.assertIn("seeds 21 to 40", text)
+
+    def test_lost_runs_are_counted_and_in_no_mean(self):
+        text = compare_filters.followup_text(result(row("ekf", None, None, lost=20), row("edh@100", 0.02, 0.01, lost=3, particles=100)))
+        self.assertIn("| ekf | 20 of 20, after 92 s | 1.5 % | - | - | - |", text)
+        self.assertIn("| edh@100 | 3 of 20, after 92 s | 1.5 % | 0.0200 +- 0.0010 |", text)
+        self.assertIn("| EKF | 0.0500 | 0.0200 | 6.20 |", text)
+        self.assertIn("| EDH, 100 | 0.0400 | 0.0200 | - |", text)
+
+    def test_cost_of_many_particles(self):
+        times = [{"filter": name, "step_median_ms": ms, "step_p99_ms": ms, "real_time_factor": 1}
+                 for name, ms in (("edh@100000", 4.0), ("edh@1000000", 41.0))]
+        self.assertIn("10.2 times as long", compare_filters.speed_text({"times": {"filters": times}}))
+
+    def test_an_earlier_format_is_dropped(self):
+        with tempfile.TemporaryDirectory() as folder:
+            path = pathlib.Path(folder) / "compare.json"
+            new = compare_filters.earlier_parts(path)
+            path.write_text(json.dumps({"house": {}}))
+            self.assertEqual(compare_filters.earlier_parts(path), new)
+            path.write_text(json.dumps({**new, "house": {}}))
+            self.assertIn("house", compare_filters.earlier_parts(path))
 
 
 if __name__ == "__main__":

@@ -1,8 +1,12 @@
 // The parts of `parloc compare`: what is compared, on which logs, from which start, and what a run says.
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <atomic>
 #include <cmath>
 #include <optional>
+#include <thread>
+#include <vector>
 
 #include "common/error.h"
 #include "common/filter/pose_filter.h"
@@ -11,6 +15,7 @@
 #include "tests/unit/simulated.h"
 #include "tests/unit/small_drive.h"
 #include "tests/unit/temp_file.h"
+#include "tools/bench/run_items.h"
 #include "tools/compare/comparison.h"
 
 namespace parloc::compare {
@@ -68,7 +73,7 @@ TEST(CompareEntries, WrongListsAreNamed) {
 TEST(CompareDrives, AKidnappedRobotIsElsewhereAndItsOdometryIsNot) {
   const TrialLog before = small_log(80);
   TrialLog log = before;
-  kidnap(log, {2.0, 1.0});
+  kidnap(log, 2.0, 1.0);
   const auto gone = before.records.size() - log.records.size();
   ASSERT_GT(gone, 10u);
   std::size_t at = 0;
@@ -88,8 +93,20 @@ TEST(CompareDrives, AKidnappedRobotIsElsewhereAndItsOdometryIsNot) {
     EXPECT_NEAR(is.y_m, was.y_m, 1e-12);
     EXPECT_NEAR(is.theta_rad, was.theta_rad, 1e-12);
   }
-  error_of([&] { kidnap(log, {0.0, 50.0}); }, ErrorKind::input);
-  error_of([&] { kidnap(log, {500.0, 1.0}); }, ErrorKind::input);
+  error_of([&] { kidnap(log, 0.0, 50.0); }, ErrorKind::input);
+  error_of([&] { kidnap(log, 500.0, 1.0); }, ErrorKind::input);
+}
+
+TEST(CompareDrives, TheMomentOfAKidnappingGoesWithTheSeed) {
+  EXPECT_EQ(kidnapped_after_s({60.0, 60.0, 2.0}, 7), 60.0);
+  const Kidnapping spread{60.0, 180.0, 2.0};
+  std::vector<double> moments;
+  for (std::uint64_t seed = 21; seed <= 40; ++seed) moments.push_back(kidnapped_after_s(spread, seed));
+  std::sort(moments.begin(), moments.end());
+  EXPECT_GE(moments.front(), 60.0);
+  EXPECT_LT(moments.back(), 180.0);
+  // Twenty in 120 s: 6 s apart in the mean, and never twice that.
+  for (std::size_t k = 1; k < moments.size(); ++k) EXPECT_LT(moments[k] - moments[k - 1], 12.0);
 }
 
 // ---- one run ----------------------------------------------------------------------------------------------
@@ -118,6 +135,8 @@ TEST(CompareFollow, ARunIsJudgedAgainstTheTruth) {
     EXPECT_LT(run->errors.position_rmse_m, 0.1);  // a cell of the map
     EXPECT_FALSE(run->lost());
     EXPECT_EQ(run->found_s, 0.0);
+    EXPECT_FALSE(run->lost_s);
+    EXPECT_EQ(run->away, 0.0);
     EXPECT_TRUE(std::isfinite(run->nees));
     // The same seed, the same run.
     EXPECT_EQ(follow(*filter, log, {}, 5)->errors.position_error_m, run->errors.position_error_m);
@@ -134,6 +153,60 @@ TEST(CompareFollow, ALostRunIsCalledLost) {
   const auto run = follow(*filter, small_log(60), {0.01, 0.01, 2.0, 0.0}, 3);
   EXPECT_TRUE(run->lost());
   EXPECT_FALSE(run->found_s);
+  EXPECT_EQ(run->lost_s, 0.0);
+  EXPECT_EQ(run->away, 1.0);
+}
+
+// Carried off by a metre after two of its six seconds: lost from there on, and not before.
+TEST(CompareFollow, ARunIsLostWhenItIsLost) {
+  TrialLog log = small_log(60);
+  kidnap(log, 2.0, 1.0);
+  const Entry e = read_entries("mcl@500", {})[0];
+  const auto run = follow(*make_pose_filter(e.kind, e.config, test::small_room()), log, {}, 3);
+  ASSERT_TRUE(run->lost());
+  EXPECT_NEAR(*run->lost_s, log.kidnapped_s - log.records[0].stamp_s, 1e-9);
+  const auto gone = std::count_if(run->errors.stamp_s.begin(), run->errors.stamp_s.end(),
+                                  [&](double stamp_s) { return stamp_s >= log.kidnapped_s; });
+  EXPECT_NEAR(run->away, static_cast<double>(gone) / static_cast<double>(run->scans), 1e-9);
+}
+
+// ---- several threads
+// ---------------------------------------------------------------------------------------
+TEST(RunItems, EveryItemIsDoneOnceByAWorkerOfItsThread) {
+  std::vector<int> done(100, 0), by(100, -1);
+  bench::run_items({100, 3, {}, {}}, [&](std::size_t thread, const bench::KeepGoing&) -> bench::Worker {
+    return [&, thread](std::size_t k) { ++done[k], by[k] = static_cast<int>(thread); };
+  });
+  EXPECT_EQ(std::count(done.begin(), done.end(), 1), 100);
+  EXPECT_TRUE(std::all_of(by.begin(), by.end(), [](int thread) { return thread >= 0 && thread < 3; }));
+}
+
+TEST(RunItems, AnErrorOrAStopEndsTheWork) {
+  std::atomic<int> done = 0;
+  const auto failing = [&](std::size_t, const bench::KeepGoing&) -> bench::Worker {
+    return [&](std::size_t k) {
+      ++done;
+      if (k == 3) throw Error(ErrorKind::input, "the fourth");
+    };
+  };
+  EXPECT_EQ(error_of([&] { bench::run_items({1000, 1, {}, {}}, failing); }, ErrorKind::input), "the fourth");
+  EXPECT_EQ(done, 4);
+  // The other thread waits for what the error of this one brings about.
+  const auto waiting = [](std::size_t, const bench::KeepGoing& keep_going) -> bench::Worker {
+    return [&](std::size_t k) {
+      if (k == 0) throw Error(ErrorKind::input, "the first");
+      while (keep_going()) std::this_thread::yield();
+    };
+  };
+  EXPECT_EQ(error_of([&] { bench::run_items({2, 2, {}, {}}, waiting); }, ErrorKind::input), "the first");
+  bool told = false;
+  bench::run_items({1, 1, [] { return true; }, [&] { told = true; }},
+                   [](std::size_t, const bench::KeepGoing& keep_going) -> bench::Worker {
+                     return [&](std::size_t) {
+                       while (keep_going()) std::this_thread::yield();
+                     };
+                   });
+  EXPECT_TRUE(told);
 }
 
 // ---- many runs --------------------------------------------------------------------------------------------
@@ -146,12 +219,18 @@ TEST(CompareSummary, MeansAndDeviations) {
   FilterRun good, bad;
   good.errors.position_rmse_m = 0.1, good.final_m = 0.1, good.driven_s = 10.0, good.working_s = 1.0;
   bad.errors.position_rmse_m = 0.5, bad.final_m = std::nan(""), bad.driven_s = 10.0, bad.working_s = 3.0;
+  good.nees = 3.0, bad.nees = 1e9, good.away = 0.25, bad.away = 0.75, bad.lost_s = 4.0;
   const Summary s = summarise({good, bad});
   EXPECT_EQ(s.runs, 2u);
-  EXPECT_EQ(s.lost, 1u);  // not a number is not at home
-  EXPECT_DOUBLE_EQ(s.position_rmse_m.mean, 0.3);
-  EXPECT_DOUBLE_EQ(s.kept_rmse_m.mean, 0.1);
+  EXPECT_EQ(s.lost, 1u);                          // not a number is not at home
+  EXPECT_DOUBLE_EQ(s.position_rmse_m.mean, 0.1);  // of the good one alone
+  EXPECT_DOUBLE_EQ(s.nees.mean, 3.0);
+  EXPECT_DOUBLE_EQ(s.lost_s.mean, 4.0);
+  EXPECT_DOUBLE_EQ(s.away, 0.5);
   EXPECT_DOUBLE_EQ(s.real_time_factor, 5.0);
+  const Summary none = summarise({bad, bad});
+  EXPECT_TRUE(std::isnan(none.position_rmse_m.mean));
+  EXPECT_TRUE(std::isnan(none.nees.mean));
 }
 
 TEST(ComparePublished, RowsAreFoundWhereTheSettingIsTheirs) {
@@ -172,7 +251,8 @@ TEST(ComparePublished, RowsAreFoundWhereTheSettingIsTheirs) {
 // For wheels of kappa, the motion model's variances of one scan's motion are those of the wheels (SPEC 1.6).
 TEST(CompareConfigs, MotionNoiseIsThatOfTheWheels) {
   constexpr double base_m = 0.16, step_m = 0.18 / 5.0, turn_rad = 0.6 / 5.0;
-  for (const auto& [name, kappa_m] : {std::pair{"1e-6", 1e-6}, {"1e-4", 1e-4}, {"5e-3", 5e-3}}) {
+  for (const auto& [name, kappa_m] :
+       {std::pair{"1e-6", 1e-6}, {"1e-4", 1e-4}, {"5e-4", 5e-4}, {"5e-3", 5e-3}}) {
     const FilterConfig c =
         read_entries("ekf=" + kRoot + "configs/compare/kappa_" + name + ".yaml", {})[0].config;
     const MotionStep drive = motion_step({0.0, step_m, 0.0}, c.motion);

@@ -3,7 +3,7 @@
 #include <nlohmann/json.hpp>
 
 #include "common/filter/config_fields.h"
-#include "tools/bench/build_info.h"
+#include "tools/bench/json_parts.h"
 #include "tools/bench/published.h"
 #include "tools/bench/scenes.h"
 
@@ -12,33 +12,12 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-/// null instead of an empty text.
-Json text_or_null(const std::string& text) {
-  return text.empty() ? Json(nullptr) : Json(text);
-}
-
 template <class Enum, std::size_t n>
 const char* name_in(const std::array<Choice<Enum>, n>& choices, Enum value) {
   for (const auto& choice : choices) {
     if (choice.value == value) return choice.name;
   }
   return "";
-}
-
-Json machine_json(const Machine& m) {
-  return {{"cpu", m.cpu},
-          {"cores", m.cores},
-          {"memory_bytes", m.memory_bytes},
-          {"os", m.os},
-          {"load_average", m.load_average >= 0.0 ? Json(m.load_average) : Json(nullptr)},
-          {"gpu_driver", text_or_null(m.gpu_driver)},
-          {"devices", m.devices},
-          {"settings", m.settings}};
-}
-
-Json build_json() {
-  return {{"version", kVersion}, {"commit", text_or_null(kCommit)}, {"compiler", kCompiler},
-          {"flags", kFlags},     {"build_type", kBuildType},        {"cuda", kCuda}};
 }
 
 Json protocol_json(const Results& r) {
@@ -176,7 +155,7 @@ std::string json_text(const Results& r) {
   for (const Skipped& s : r.skipped) json["skipped"].push_back({{"what", s.what}, {"why", s.why}});
   json["notes"] = r.notes;
   // A file name in `command` may hold any bytes.
-  return json.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
+  return file_text(json);
 }
 
 }  // namespace parloc::bench

@@ -5,11 +5,10 @@
 #include <vector>
 
 #include "common/io/html_text.h"
-#include "common/io/report_parts.h"
 #include "tools/bench/facts.h"
+#include "tools/bench/page_parts.h"
 #include "tools/bench/plots.h"
 #include "tools/bench/tables.h"
-#include "tools/bench/xy_plot.h"
 
 namespace parloc::bench {
 namespace {
@@ -102,13 +101,7 @@ std::string markdown_page(const Results& r) {
 std::string html_page(const Results& r) {
   const std::string title =
       r.scale ? "parloc bench: how it scales" : "parloc bench: beside the published times";
-  std::string html = fmt::format(
-      "<!DOCTYPE html>\n<html lang=\"en\"><head><meta charset=\"utf-8\"><meta name=\"viewport\" "
-      "content=\"width=device-width,initial-scale=1\"><title>{}</title><style>{}{}</style></"
-      "head><body>\n<h1>{}</h1>\n",
-      title, report_style(), bench_style(), title);
-  html +=
-      fmt::format("<p class=\"note\">{}</p><code>{}</code>\n", escape_html(r.date), escape_html(r.command));
+  std::string html = page_head(title, r.date, r.command);
   const std::vector<std::string> lines = remarks(r);
   if (!lines.empty()) {
     html += "<div class=\"warning\"><ul>";
@@ -126,10 +119,7 @@ std::string html_page(const Results& r) {
     for (const Table& table : tables.details) html += html_text(table);
     html += "</details>\n";
   }
-  html += "<h2>How it was measured</h2>\n<table>";
-  for (const auto& [name, value] : facts(r))
-    html += fmt::format("<tr><th>{}</th><td>{}</td></tr>", escape_html(name), escape_html(value));
-  return html + "</table>\n</body></html>\n";
+  return html + "<h2>How it was measured</h2>\n" + facts_table(facts(r)) + "</body></html>\n";
 }
 
 }  // namespace parloc::bench

@@ -4,10 +4,10 @@
 #include <cstddef>
 #include <cstdint>
 #include <string>
-#include <utility>
 #include <vector>
 
 #include "tools/bench/machine.h"
+#include "tools/bench/page_parts.h"
 #include "tools/bench/statistics.h"
 #include "tools/bench/table.h"
 #include "tools/compare/published.h"
@@ -21,13 +21,15 @@ struct MeanDeviation {
 };
 MeanDeviation mean_deviation(const std::vector<double>& values);
 
-/// What the runs of one filter say together.
+/// What the runs of one filter say together. Errors and NEES are those of the runs that kept their robot: how
+/// far off a lost one ended says nothing about the filter.
 struct Summary {
   std::size_t runs = 0, lost = 0;
   MeanDeviation position_rmse_m, position_mae_m, position_max_m;
   MeanDeviation heading_rmse_rad, heading_mae_rad, heading_max_rad;
   MeanDeviation nees;
-  MeanDeviation kept_rmse_m;  ///< Position RMSE of the runs that were not lost.
+  MeanDeviation lost_s;  ///< Of the lost runs: when, from the first scan.
+  double away = 0.0;     ///< Share of all scans at which a run, lost or not, was farther off than kLost_m.
   double particles = 0.0;
   double skipped = 0.0;           ///< Share of the scans.
   bench::TimeSummary step;        ///< Steps that took their scan in.
@@ -49,8 +51,9 @@ struct Comparison {
 };
 
 /// What was compared, and how: name and value.
-using Lines = std::vector<std::pair<std::string, std::string>>;
+using Lines = bench::Lines;
 Lines origin_lines(const Comparison& c);
+Lines machine_lines(const Comparison& c);
 
 /// One row per filter. The second holds what a clock has measured.
 bench::Table error_table(const Comparison& c);

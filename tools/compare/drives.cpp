@@ -16,7 +16,8 @@
 namespace parloc::compare {
 namespace {
 
-using Records = std::vector<LogRecord>;
+/// Its multiples, each without its whole part, spread evenly over 0 to 1 however many there are.
+constexpr double kGoldenRatio = 0.61803398874989485;
 
 bool is_scan(const LogRecord& r) {
   return r.kind == RecordKind::scan;
@@ -47,6 +48,10 @@ void trim(TrialLog& log, const DrivePlan& plan, const std::string& name) {
                     log.records.end());
 }
 
+void kidnap_as_planned(TrialLog& log, const DrivePlan& plan, std::uint64_t seed) {
+  if (plan.kidnapping) kidnap(log, kidnapped_after_s(*plan.kidnapping, seed), plan.kidnapping->distance_m);
+}
+
 class SimulatedDrives : public DriveSource {
  public:
   SimulatedDrives(const DrivePlan& plan, const Scenario& scenario, GridMap map, std::string name)
@@ -62,7 +67,7 @@ class SimulatedDrives : public DriveSource {
     TrialLog log{std::move(simulated.records), std::move(simulated.truth), 0.0, simulated.hits,
                  simulated.unmapped};
     trim(log, plan_, name_);
-    if (plan_.kidnapping) kidnap(log, *plan_.kidnapping);
+    kidnap_as_planned(log, plan_, seed);
     return log;
   }
   std::string what() const override { return fmt::format("{}: its drive, one per seed", name_); }
@@ -76,41 +81,63 @@ class SimulatedDrives : public DriveSource {
 
 class RecordedDrives : public DriveSource {
  public:
-  RecordedDrives(const DrivePlan& plan, const std::string& log, const std::string& truth) : name_(log) {
+  RecordedDrives(const DrivePlan& plan, const std::string& log, const std::string& truth)
+      : plan_(plan), name_(log) {
     log_.truth = read_tum(truth);
     const auto reader = open_carmen_log(log);
     for (LogRecord record; reader->next(record);) log_.records.push_back(std::move(record));
+    broken_lines_ = reader->warnings().broken_lines;
     if (std::none_of(log_.records.begin(), log_.records.end(), is_scan))
       throw input_error(log, 0, "expected at least one scan (FLASER, RLASER or ROBOTLASER1), found none");
     trim(log_, plan, truth);
-    if (plan.kidnapping) kidnap(log_, *plan.kidnapping);
   }
 
-  TrialLog drive(std::uint64_t) const override { return log_; }
-  std::string what() const override { return name_ + ": recorded"; }
+  TrialLog drive(std::uint64_t seed) const override {
+    TrialLog log = log_;
+    kidnap_as_planned(log, plan_, seed);
+    return log;
+  }
+  std::string what() const override {
+    std::string skipped;
+    if (broken_lines_ > 0)
+      skipped =
+          fmt::format(", {} broken line{} skipped", broken_lines_, broken_lines_ == 1 ? " was" : "s were");
+    return name_ + ": recorded" + skipped;
+  }
 
  private:
+  DrivePlan plan_;
   TrialLog log_;
+  std::size_t broken_lines_ = 0;
   std::string name_;
 };
 
 }  // namespace
 
-void kidnap(TrialLog& log, const Kidnapping& kidnapping) {
+double kidnapped_after_s(const Kidnapping& k, std::uint64_t seed) {
+  const double part = kGoldenRatio * static_cast<double>(seed);
+  return k.after_s + (part - std::floor(part)) * (k.until_s - k.after_s);
+}
+
+void kidnap(TrialLog& log, double after_s, double distance_m) {
   const auto truth = truth_of(log);
-  const double from_s = log.records.front().stamp_s + kidnapping.after_s;
+  const double from_s = log.records.front().stamp_s + after_s;
   std::size_t last = 0;  // of the scans before it
   while (last < truth.size() && !(truth[last] && log.records[last].stamp_s >= from_s)) ++last;
+  if (last == truth.size())
+    throw Error(ErrorKind::input,
+                fmt::format("--kidnap: expected a drive of more than {:g} s, this one takes {:g} s", after_s,
+                            log.records.back().stamp_s - log.records.front().stamp_s));
   std::size_t next = last + 1;
   const auto far = [&](std::size_t k) {
-    return truth[k] && std::hypot(truth[k]->x_m - truth[last]->x_m, truth[k]->y_m - truth[last]->y_m) >=
-                           kidnapping.distance_m;
+    return truth[k] &&
+           std::hypot(truth[k]->x_m - truth[last]->x_m, truth[k]->y_m - truth[last]->y_m) >= distance_m;
   };
   while (next < truth.size() && !far(next)) ++next;
   if (next >= truth.size())
     throw Error(ErrorKind::input, fmt::format("--kidnap: the drive never gets {:g} m away from where it is "
                                               "after {:g} s",
-                                              kidnapping.distance_m, kidnapping.after_s));
+                                              distance_m, after_s));
   // The odometry goes on from where it was.
   const Pose before = log.records[last].odometry, after = log.records[next].odometry;
   for (std::size_t k = next; k < log.records.size(); ++k)

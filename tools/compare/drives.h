@@ -15,8 +15,8 @@ namespace parloc::compare {
 
 /// The robot is carried along its path while its odometry notices nothing.
 struct Kidnapping {
-  double after_s = 0.0;     ///< From the first scan.
-  double distance_m = 0.0;  ///< Straight, from where it was.
+  double after_s = 0.0, until_s = 0.0;  ///< From the first scan: between these, by the seed.
+  double distance_m = 0.0;              ///< Straight, from where it was.
 };
 
 struct DrivePlan {
@@ -41,8 +41,10 @@ std::unique_ptr<DriveSource> simulated_drives(const DrivePlan& plan, const Scena
 std::unique_ptr<DriveSource> recorded_drives(const DrivePlan& plan, const std::string& log,
                                              const std::string& truth);
 
+/// When it happens in the drive of a seed, from the first scan. Seeds in a row spread evenly.
+double kidnapped_after_s(const Kidnapping& kidnapping, std::uint64_t seed);
 /// Leaves out what lies between: a piece of the log in which the robot gets that far, and its odometry.
 /// Throws Error{input} if it never does.
-void kidnap(TrialLog& log, const Kidnapping& kidnapping);
+void kidnap(TrialLog& log, double after_s, double distance_m);
 
 }  // namespace parloc::compare

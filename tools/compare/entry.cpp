@@ -4,13 +4,14 @@
 #include <fmt/ranges.h>
 
 #include <algorithm>
+#include <charconv>
 #include <cstdint>
 #include <filesystem>
+#include <system_error>
 
 #include "common/error.h"
 #include "common/filter/pose_filter.h"
 #include "common/io/config.h"
-#include "tools/parse_number.h"
 
 namespace parloc::compare {
 namespace {
@@ -31,6 +32,17 @@ std::string before(const std::string& text, char mark, std::string& rest, const 
   return text.substr(0, at);
 }
 
+std::int64_t number_of(const std::string& particles, const std::string& whole) {
+  std::int64_t number{};
+  const char* const last = particles.data() + particles.size();
+  const auto [end, status] = std::from_chars(particles.data(), last, number);
+  if (status != std::errc() || end != last)
+    throw Error(
+        ErrorKind::usage,
+        fmt::format("--filters: '{}': expected a whole number of particles, got '{}'", whole, particles));
+  return number;  // its size is judged with the rest of the configuration
+}
+
 Entry read_entry(const std::string& text, const FilterConfig& base) {
   std::string config_file, particles;
   Entry e;
@@ -46,7 +58,7 @@ Entry read_entry(const std::string& text, const FilterConfig& base) {
       throw Error(ErrorKind::usage, fmt::format("--filters: '{}': {} takes no number of particles", text,
                                                 e.kind == "amcl" ? "amcl chooses its own and" : e.kind));
     e.label += "@" + particles;
-    e.config.particles = tools::parse_whole_number<std::int64_t>("--filters", particles);
+    e.config.particles = number_of(particles, text);
     e.config.min_particles = e.config.max_particles = 0;
   }
   e.config.threads = 1;

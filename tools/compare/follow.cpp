@@ -1,5 +1,6 @@
 #include "tools/compare/follow.h"
 
+#include <algorithm>
 #include <chrono>
 #include <cmath>
 
@@ -13,15 +14,26 @@ namespace {
 /// The circle's part between the directions of two seeds in a row: no two of them are ever near each other.
 constexpr double kGoldenAngle_rad = 2.39996322972865332;
 
-std::optional<double> found_after(const TrackErrors& e) {
-  std::optional<double> since;
+bool is_near(double error_m) {
+  return error_m <= kLost_m;  // not a number is not near
+}
+
+/// From the first scan until it was near for good, or, with `near` false, until it never was again; nothing
+/// if it ended otherwise.
+std::optional<double> for_good_s(const TrackErrors& e, bool near) {
+  std::optional<double> since_s;
   for (std::size_t k = 0; k < e.compared; ++k) {
-    if (!(e.position_error_m[k] <= kLost_m))
-      since.reset();
-    else if (!since)
-      since = e.stamp_s[k] - e.stamp_s[0];
+    if (is_near(e.position_error_m[k]) != near)
+      since_s.reset();
+    else if (!since_s)
+      since_s = e.stamp_s[k] - e.stamp_s[0];
   }
-  return since;
+  return since_s;
+}
+
+double share_away(const TrackErrors& e) {
+  const auto near = std::count_if(e.position_error_m.begin(), e.position_error_m.end(), is_near);
+  return 1.0 - static_cast<double>(near) / static_cast<double>(e.compared);
 }
 
 void judge(FilterRun& run, const Trajectory& track, const std::vector<StampedCovariance>& covariances,
@@ -29,7 +41,9 @@ void judge(FilterRun& run, const Trajectory& track, const std::vector<StampedCov
   run.errors = compare_tracks(track, truth);
   run.nees = check_consistency(run.errors, covariances).nees_mean;
   run.final_m = run.errors.position_error_m.back();
-  run.found_s = found_after(run.errors);
+  run.found_s = for_good_s(run.errors, true);
+  run.lost_s = for_good_s(run.errors, false);
+  run.away = share_away(run.errors);
   run.particles /= static_cast<double>(run.scans);
   run.driven_s = track.back().stamp_s - track.front().stamp_s;
 }

@@ -23,21 +23,23 @@ struct StartPlan {
 /// with the seed, and turned by `off_rad`, left for odd seeds and right for even ones.
 Pose told_start(const StartPlan& plan, const Pose& truth, std::uint64_t seed);
 
-/// Farther off than this at the end is lost.
+/// A run that is farther off than this at its end has lost its robot.
 inline constexpr double kLost_m = 0.5;
 
 struct FilterRun {
   std::uint64_t seed = 0;
   TrackErrors errors;
-  double nees = 0.0;              ///< Mean over the scans; 3 is right.
-  double final_m = 0.0;           ///< Position error at the last scan.
-  std::optional<double> found_s;  ///< Until it was within kLost_m for good; nothing if it is not at the end.
-  double particles = 0.0;         ///< Mean.
-  std::size_t scans = 0;          ///< Taken in or not.
-  std::size_t skipped = 0;        ///< Scans that changed nothing.
-  double driven_s = 0.0;          ///< From the first scan to the last.
-  double working_s = 0.0;         ///< Wall time of all steps but the first, which warms up.
-  std::vector<double> step_s;     ///< Of each of them that took its scan in.
+  double nees = 0.0;     ///< Mean over the scans; 3 is right.
+  double final_m = 0.0;  ///< Position error at the last scan.
+  /// From the first scan until it was within kLost_m for good, or farther off for good: one of them is there.
+  std::optional<double> found_s, lost_s;
+  double away = 0.0;           ///< Share of the scans at which it was farther off than kLost_m.
+  double particles = 0.0;      ///< Mean.
+  std::size_t scans = 0;       ///< Taken in or not.
+  std::size_t skipped = 0;     ///< Scans that changed nothing.
+  double driven_s = 0.0;       ///< From the first scan to the last.
+  double working_s = 0.0;      ///< Wall time of all steps but the first, which warms up.
+  std::vector<double> step_s;  ///< Of each of them that took its scan in.
 
   bool lost() const { return !(final_m <= kLost_m); }
 };

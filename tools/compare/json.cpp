@@ -1,7 +1,7 @@
 #include <nlohmann/json.hpp>
 
 #include "common/io/config.h"
-#include "tools/bench/build_info.h"
+#include "tools/bench/json_parts.h"
 #include "tools/compare/comparison.h"
 
 namespace parloc::compare {
@@ -32,6 +32,7 @@ Json plan_json(const Comparison& c) {
             {"lost_m", kLost_m}};
   if (c.plan.kidnapping)
     json["kidnapping"] = {{"after_s", c.plan.kidnapping->after_s},
+                          {"until_s", c.plan.kidnapping->until_s},
                           {"distance_m", c.plan.kidnapping->distance_m}};
   return json;
 }
@@ -55,9 +56,11 @@ Json published_json(const PublishedSetting* setting) {
           {"rows", rows}};
 }
 
-Json run_json(const FilterRun& r) {
+Json run_json(const Comparison& c, const FilterRun& r) {
   const TrackErrors& e = r.errors;
+  const auto& kidnapping = c.plan.kidnapping;
   return {{"seed", r.seed},
+          {"kidnapped_s", kidnapping ? Json(kidnapped_after_s(*kidnapping, r.seed)) : Json(nullptr)},
           {"scans", r.scans},
           {"compared", e.compared},
           {"skipped", r.skipped},
@@ -70,7 +73,9 @@ Json run_json(const FilterRun& r) {
           {"nees", r.nees},
           {"final_m", r.final_m},
           {"lost", r.lost()},
+          {"lost_s", or_null(r.lost_s)},
           {"found_s", or_null(r.found_s)},
+          {"away", r.away},
           {"particles", r.particles}};
 }
 
@@ -81,6 +86,9 @@ Json filter_json(const Comparison& c, std::size_t k) {
             {"kind", e.kind},
             {"runs", s.runs},
             {"lost", s.lost},
+            {"kept", s.runs - s.lost},  // in the means of errors
+            {"lost_s", pair_json(s.lost_s)},
+            {"away", s.away},
             {"particles", s.particles},
             {"skipped", s.skipped},
             {"position_rmse_m", pair_json(s.position_rmse_m)},
@@ -90,10 +98,9 @@ Json filter_json(const Comparison& c, std::size_t k) {
             {"heading_mae_rad", pair_json(s.heading_mae_rad)},
             {"heading_max_rad", pair_json(s.heading_max_rad)},
             {"nees", pair_json(s.nees)},
-            {"kept_position_rmse_m", pair_json(s.kept_rmse_m)},
             {"config", config_to_yaml(e.config)},
             {"each", Json::array()}};
-  for (const FilterRun& r : c.outcome.runs[k]) json["each"].push_back(run_json(r));
+  for (const FilterRun& r : c.outcome.runs[k]) json["each"].push_back(run_json(c, r));
   return json;
 }
 
@@ -101,21 +108,16 @@ Json times_json(const Comparison& c) {
   Json json{{"date", c.date},
             {"wall_s", c.wall_s},
             {"jobs", c.request.jobs},
-            {"machine",
-             {{"cpu", c.machine.cpu},
-              {"cores", c.machine.cores},
-              {"memory_bytes", c.machine.memory_bytes},
-              {"os", c.machine.os},
-              {"load_average", c.machine.load_average},
-              {"devices", c.machine.devices}}},
+            {"machine", bench::machine_json(c.machine)},
             {"filters", Json::array()}};
   for (std::size_t k = 0; k < c.summaries.size(); ++k) {
     const Summary& s = c.summaries[k];
+    const bool timed = s.step.count > 0;
     json["filters"].push_back({{"filter", c.request.entries[k].label},
                                {"backend", c.outcome.backends[k]},
                                {"steps", s.step.count},
-                               {"step_median_ms", 1e3 * s.step.median_s},
-                               {"step_p99_ms", 1e3 * s.step.p99_s},
+                               {"step_median_ms", timed ? Json(1e3 * s.step.median_s) : Json(nullptr)},
+                               {"step_p99_ms", timed ? Json(1e3 * s.step.p99_s) : Json(nullptr)},
                                {"real_time_factor", s.real_time_factor}});
   }
   return json;
@@ -125,18 +127,13 @@ Json times_json(const Comparison& c) {
 
 std::string json_text(const Comparison& c) {
   Json json{{"tool", "parloc compare"}, {"command", c.command}, {"interrupted", c.interrupted}};
-  json["build"] = {{"version", bench::kVersion},
-                   {"commit", bench::kCommit[0] == '\0' ? Json(nullptr) : Json(bench::kCommit)},
-                   {"compiler", bench::kCompiler},
-                   {"flags", bench::kFlags},
-                   {"build_type", bench::kBuildType}};
+  json["build"] = bench::build_json();
   json["plan"] = plan_json(c);
   json["published"] = published_json(c.published);
   json["filters"] = Json::array();
   for (std::size_t k = 0; k < c.summaries.size(); ++k) json["filters"].push_back(filter_json(c, k));
   json["times"] = times_json(c);
-  // A file name in `command` may hold any bytes.
-  return json.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
+  return bench::file_text(json);
 }
 
 }  // namespace parloc::compare

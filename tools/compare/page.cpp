@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <optional>
 
 #include "common/io/html_text.h"
 #include "common/io/report_parts.h"
@@ -13,28 +14,19 @@ namespace parloc::compare {
 namespace {
 
 constexpr std::size_t kColumns = 300;  // of a curve
-constexpr double kLeast_m = 1e-4;      // below it a logarithmic axis is of no interest
+constexpr double kLeast = 1e-4;        // metres or radians: of no interest on a logarithmic axis
+constexpr double kMost = 10.0;         // a lost filter's kilometres would squash all else
 
 using Series = std::vector<double> TrackErrors::*;
 
-/// Whole multiples of 1, 2 or 5 times a power of ten: about five of them.
-std::vector<double> ticks_to(double most) {
-  const double decade = std::pow(10.0, std::floor(std::log10(most / 4)));
-  double step = 10 * decade;
-  for (const double factor : {5.0, 2.0, 1.0})
-    if (factor * decade * 6 >= most) step = factor * decade;
-  std::vector<double> ticks;
-  for (int k = 0; k * step <= most * 1.0001; ++k) ticks.push_back(k * step);
-  return ticks;
-}
-
-/// Errors of all runs of a filter over the time since the start: their root mean square, and the worst.
+/// Errors of a filter over the time since the start: the root mean square of the runs that kept their robot,
+/// and the worst of all.
 struct Curves {
-  std::vector<double> time_s, rms, worst;
+  std::vector<double> rms_time_s, rms, worst_time_s, worst;
 };
 
 Curves curves_of(const std::vector<FilterRun>& runs, Series series, double until_s) {
-  std::vector<double> squares(kColumns, 0.0), counts(kColumns, 0.0), worst(kColumns, 0.0);
+  std::vector<double> squares(kColumns, 0.0), counts(kColumns, 0.0), worst(kColumns, -1.0);
   for (const FilterRun& run : runs) {
     const std::vector<double>& values = run.errors.*series;
     for (std::size_t k = 0; k < values.size(); ++k) {
@@ -42,17 +34,22 @@ Curves curves_of(const std::vector<FilterRun>& runs, Series series, double until
       if (!(part >= 0.0) || !std::isfinite(values[k])) continue;  // stamps of a log may run backwards
       const std::size_t at =
           std::min(kColumns - 1, static_cast<std::size_t>(part * static_cast<double>(kColumns)));
+      worst[at] = std::max(worst[at], std::fabs(values[k]));
+      if (run.lost()) continue;
       squares[at] += values[k] * values[k];
       counts[at] += 1.0;
-      worst[at] = std::max(worst[at], std::fabs(values[k]));
     }
   }
   Curves c;
   for (std::size_t k = 0; k < kColumns; ++k) {
-    if (counts[k] == 0.0) continue;
-    c.time_s.push_back(until_s * (static_cast<double>(k) + 0.5) / static_cast<double>(kColumns));
-    c.rms.push_back(std::max(kLeast_m, std::sqrt(squares[k] / counts[k])));
-    c.worst.push_back(std::max(kLeast_m, worst[k]));
+    const double time_s = until_s * (static_cast<double>(k) + 0.5) / static_cast<double>(kColumns);
+    if (counts[k] > 0.0) {
+      c.rms_time_s.push_back(time_s);
+      c.rms.push_back(std::clamp(std::sqrt(squares[k] / counts[k]), kLeast, kMost));
+    }
+    if (worst[k] < 0.0) continue;
+    c.worst_time_s.push_back(time_s);
+    c.worst.push_back(std::clamp(worst[k], kLeast, kMost));
   }
   return c;
 }
@@ -66,14 +63,17 @@ double longest_s(const Comparison& c) {
 
 std::vector<bench::Curve> drawn(const Curves& c, bool several) {
   std::vector<bench::Curve> curves;
-  if (several) curves.push_back({"worst run", "c5", bench::Marker::circle, false, c.time_s, c.worst, false});
-  curves.push_back({several ? "root mean square over the runs" : "error", "c1", bench::Marker::circle, false,
-                    c.time_s, c.rms, false});
+  curves.push_back({several ? "worst of all runs" : "a lost run", "c5", bench::Marker::circle, false,
+                    c.worst_time_s, c.worst, false});
+  curves.push_back(
+      {several ? "root mean square of the runs that kept their robot" : "a run that kept its robot", "c1",
+       bench::Marker::circle, false, c.rms_time_s, c.rms, false});
   return curves;
 }
 
 /// One plot per filter, all with the same axes.
-std::string error_plots(const Comparison& c, Series series, const char* what) {
+std::string error_plots(const Comparison& c, Series series, const char* what, const char* unit,
+                        std::optional<bench::Curve> limit = {}) {
   const double until_s = longest_s(c);
   const bool several = c.request.seeds > 1;
   std::vector<Curves> all;
@@ -83,27 +83,58 @@ std::string error_plots(const Comparison& c, Series series, const char* what) {
     for (const double v : curves.rms) low = std::min(low, v);
     for (const double v : curves.worst) high = std::max(high, v);
   }
-  std::string html = fmt::format("<h2>{}</h2>\n", what);
-  if (!all.empty()) html += bench::render_legend(drawn(all[0], several));
+  std::string html = fmt::format("<h2>{}, {}</h2>\n", what, unit);
+  std::vector<bench::Curve> legend = drawn({}, several);
+  if (limit) legend.push_back(*limit);
+  html += bench::render_legend(legend);
+  if (high >= kMost)
+    html += fmt::format("<p class=\"note\">Drawn at {:g} {}: all that is more.</p>\n", kMost, unit);
   html += "<div class=\"xys\">";
   for (std::size_t k = 0; k < all.size(); ++k) {
     bench::XyPlot plot;
     plot.title = c.request.entries[k].label;
     plot.x_name = "s since the start";
     plot.unit = bench::YUnit::plain;
-    plot.x_ticks = ticks_to(until_s);
+    plot.x_ticks = bench::ticks_to(until_s);
     if (high > 0.0) plot.y_span = {low, high};
     plot.curves = drawn(all[k], several);
+    if (limit) plot.curves.push_back(*limit);
     html += bench::render(plot);
   }
   return html + "</div>\n";
 }
 
-std::string facts_table(const Lines& lines) {
-  std::string html = "<table>";
-  for (const auto& [name, value] : lines)
-    html += fmt::format("<tr><th>{}</th><td>{}</td></tr>", escape_html(name), escape_html(value));
-  return html + "</table>\n";
+bench::Curve lost_limit(const Comparison& c) {
+  const double until_s = longest_s(c);
+  return {"lost, if it ends above", "c6", bench::Marker::circle, true, {0.0, until_s},
+          {kLost_m, kLost_m},       false};
+}
+
+/// The first column and `count` others.
+bench::Table narrowed(const bench::Table& t, std::size_t first, std::size_t count) {
+  bench::Table part;
+  const auto taken = [&](const auto& all) {
+    auto some = all;
+    some.assign(all.begin() + static_cast<std::ptrdiff_t>(first),
+                all.begin() + static_cast<std::ptrdiff_t>(first + count));
+    some.insert(some.begin(), all.front());
+    return some;
+  };
+  part.columns = taken(t.columns);
+  for (const auto& row : t.rows) part.rows.push_back(taken(row));
+  return part;
+}
+
+/// In two parts: a window has no room for all columns side by side.
+std::string error_tables(const Comparison& c) {
+  const bench::Table all = error_table(c);
+  const auto heading = std::find_if(all.columns.begin(), all.columns.end(), [](const bench::Column& column) {
+    return column.group == "heading, rad";
+  });
+  const auto first = static_cast<std::size_t>(heading - all.columns.begin());
+  bench::Table position = narrowed(all, 1, first - 1);
+  position.title = all.title;
+  return bench::html_text(position) + bench::html_text(narrowed(all, first, all.columns.size() - first));
 }
 
 constexpr const char* kStyle = "th{width:22%;overflow-wrap:normal}table.numbers th{width:auto}";
@@ -112,19 +143,15 @@ constexpr const char* kStyle = "th{width:22%;overflow-wrap:normal}table.numbers 
 
 std::string html_page(const Comparison& c) {
   const std::string title = "parloc compare";
-  std::string html = fmt::format(
-      "<!DOCTYPE html>\n<html lang=\"en\"><head><meta charset=\"utf-8\"><meta name=\"viewport\" "
-      "content=\"width=device-width,initial-scale=1\"><title>{}</title><style>{}{}{}</style></head><body>\n"
-      "<h1>{}</h1>\n<p class=\"note\">{}</p><code>{}</code>\n",
-      title, report_style(), bench::bench_style(), kStyle, title, escape_html(c.date),
-      escape_html(c.command));
+  std::string html = bench::page_head(title, c.date, c.command, kStyle);
   if (c.interrupted)
     html += fmt::format("<div class=\"warning\">Interrupted: {} of {} runs.</div>\n", c.outcome.finished,
                         c.request.seeds * c.request.entries.size());
-  html += bench::html_text(error_table(c)) + bench::html_text(time_table(c));
-  html += error_plots(c, &TrackErrors::position_error_m, "Position errors, m");
-  html += error_plots(c, &TrackErrors::heading_error_rad, "Heading errors, rad");
-  html += "<h2>What was compared</h2>\n" + facts_table(origin_lines(c));
+  html += error_tables(c) + bench::html_text(time_table(c));
+  html += error_plots(c, &TrackErrors::position_error_m, "Position errors", "m", lost_limit(c));
+  html += error_plots(c, &TrackErrors::heading_error_rad, "Heading errors", "rad");
+  html += "<h2>What was compared</h2>\n" + bench::facts_table(origin_lines(c)) + "<h2>Where it ran</h2>\n" +
+          bench::facts_table(machine_lines(c));
   return html + "</body></html>\n";
 }
 

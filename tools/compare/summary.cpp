@@ -7,9 +7,9 @@ namespace parloc::compare {
 namespace {
 
 template <class Value>
-MeanDeviation over(const std::vector<FilterRun>& runs, Value value) {
+MeanDeviation over(const std::vector<const FilterRun*>& runs, Value value) {
   std::vector<double> values;
-  for (const FilterRun& r : runs) values.push_back(value(r));
+  for (const FilterRun* r : runs) values.push_back(value(*r));
   return mean_deviation(values);
 }
 
@@ -28,26 +28,31 @@ MeanDeviation mean_deviation(const std::vector<double>& values) {
 Summary summarise(const std::vector<FilterRun>& runs) {
   Summary s;
   s.runs = runs.size();
-  s.position_rmse_m = over(runs, [](const FilterRun& r) { return r.errors.position_rmse_m; });
-  s.position_mae_m = over(runs, [](const FilterRun& r) { return r.errors.position_mae_m; });
-  s.position_max_m = over(runs, [](const FilterRun& r) { return r.errors.position_max_m; });
-  s.heading_rmse_rad = over(runs, [](const FilterRun& r) { return r.errors.heading_rmse_rad; });
-  s.heading_mae_rad = over(runs, [](const FilterRun& r) { return r.errors.heading_mae_rad; });
-  s.heading_max_rad = over(runs, [](const FilterRun& r) { return r.errors.heading_max_rad; });
-  s.nees = over(runs, [](const FilterRun& r) { return r.nees; });
-  s.particles = over(runs, [](const FilterRun& r) { return r.particles; }).mean;
-  std::vector<double> kept, steps;
+  std::vector<const FilterRun*> all, kept, lost;
+  for (const FilterRun& r : runs) {
+    all.push_back(&r);
+    (r.lost() ? lost : kept).push_back(&r);
+  }
+  s.lost = lost.size();
+  s.position_rmse_m = over(kept, [](const FilterRun& r) { return r.errors.position_rmse_m; });
+  s.position_mae_m = over(kept, [](const FilterRun& r) { return r.errors.position_mae_m; });
+  s.position_max_m = over(kept, [](const FilterRun& r) { return r.errors.position_max_m; });
+  s.heading_rmse_rad = over(kept, [](const FilterRun& r) { return r.errors.heading_rmse_rad; });
+  s.heading_mae_rad = over(kept, [](const FilterRun& r) { return r.errors.heading_mae_rad; });
+  s.heading_max_rad = over(kept, [](const FilterRun& r) { return r.errors.heading_max_rad; });
+  s.nees = over(kept, [](const FilterRun& r) { return r.nees; });
+  s.lost_s = over(lost, [](const FilterRun& r) { return r.lost_s.value(); });
+  s.away = over(all, [](const FilterRun& r) { return r.away; }).mean;
+  s.particles = over(all, [](const FilterRun& r) { return r.particles; }).mean;
+  std::vector<double> steps;
   double scans = 0.0, skipped = 0.0, driven_s = 0.0, working_s = 0.0;
   for (const FilterRun& r : runs) {
-    s.lost += r.lost() ? 1 : 0;
-    if (!r.lost()) kept.push_back(r.errors.position_rmse_m);
     scans += static_cast<double>(r.scans);
     skipped += static_cast<double>(r.skipped);
     driven_s += r.driven_s;
     working_s += r.working_s;
     steps.insert(steps.end(), r.step_s.begin(), r.step_s.end());
   }
-  s.kept_rmse_m = mean_deviation(kept);
   s.skipped = skipped / scans;
   s.real_time_factor = driven_s / working_s;
   s.step = bench::summarise(std::move(steps));

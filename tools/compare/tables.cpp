@@ -15,6 +15,9 @@ constexpr std::size_t kWidth = 118;
 std::string number(double value, int decimals) {
   return std::isfinite(value) ? fmt::format("{:.{}f}", value, decimals) : "-";
 }
+std::string percent(double share) {
+  return std::isfinite(share) ? fmt::format("{:.1f} %", 100.0 * share) : "-";
+}
 std::string spread(const MeanDeviation& v, int decimals) {
   if (!std::isfinite(v.deviation)) return number(v.mean, decimals);
   return fmt::format("{:.{}f} +- {:.{}f}", v.mean, decimals, v.deviation, decimals);
@@ -31,13 +34,11 @@ std::vector<std::string> published_cells(const PublishedSetting& setting, const 
           number(row->heading_mae_rad, 4)};
 }
 
-Lines machine_lines(const Comparison& c) {
-  Lines lines{{"machine", fmt::format("{}, {} core{}", c.machine.cpu, c.machine.cores,
-                                      c.machine.cores == 1 ? "" : "s")}};
-  std::string how = c.request.jobs == 1 ? std::string("one filter at a time, each in one thread")
-                                        : fmt::format("{} at once, which disturb each other", c.request.jobs);
-  lines.emplace_back("times", how + fmt::format("; whole work {:.1f} s", c.wall_s));
-  return lines;
+std::string kidnapping_text(const Kidnapping& k) {
+  const std::string when = k.until_s > k.after_s
+                               ? fmt::format("after {:g} to {:g} s, by the seed", k.after_s, k.until_s)
+                               : fmt::format("after {:g} s", k.after_s);
+  return fmt::format("{}, along its path to {:g} m from where it was", when, k.distance_m);
 }
 
 }  // namespace
@@ -53,26 +54,37 @@ Lines origin_lines(const Comparison& c) {
     told += fmt::format("; it is wrong by {:g} m and {:g} degrees", start.off_m,
                         start.off_rad * 180.0 / 3.14159265358979);
   lines.emplace_back("start", told);
-  if (c.plan.kidnapping)
-    lines.emplace_back("kidnapped", fmt::format("after {:g} s, along its path to {:g} m from where it was",
-                                                c.plan.kidnapping->after_s, c.plan.kidnapping->distance_m));
+  if (c.plan.kidnapping) lines.emplace_back("kidnapped", kidnapping_text(*c.plan.kidnapping));
   if (c.outcome.unmapped > 0)
     lines.emplace_back("clutter", fmt::format("{:.1f} % of the hits are on things that are not on the map",
                                               100.0 * static_cast<double>(c.outcome.unmapped) /
                                                   static_cast<double>(c.outcome.hits)));
   if (c.published != nullptr) lines.emplace_back("published", c.published->source);
-  lines.emplace_back("lost", fmt::format("farther than {:g} m off at the end", kLost_m));
+  lines.emplace_back("lost",
+                     fmt::format("farther than {0:g} m off at the end; '> {0:g} m': share of all scans "
+                                 "at which a run was so far off, lost or not",
+                                 kLost_m));
   const std::string commit = bench::kCommit[0] == '\0' ? "" : fmt::format(", commit {}", bench::kCommit);
   lines.emplace_back("build", fmt::format("parloc {}{}", bench::kVersion, commit));
   return lines;
 }
 
+Lines machine_lines(const Comparison& c) {
+  Lines lines{{"machine", fmt::format("{}, {} core{}", c.machine.cpu, c.machine.cores,
+                                      c.machine.cores == 1 ? "" : "s")}};
+  std::string how = c.request.jobs == 1 ? std::string("one filter at a time, each in one thread")
+                                        : fmt::format("{} at once, which disturb each other", c.request.jobs);
+  lines.emplace_back("times", how + fmt::format("; whole work {:.1f} s", c.wall_s));
+  return lines;
+}
+
 bench::Table error_table(const Comparison& c) {
   bench::Table t;
-  t.title = "Errors, mean +- standard deviation over seeds";
+  t.title = "Errors: mean +- standard deviation of the runs that kept their robot";
   t.columns = {{"", "filter", true},
                {"", "runs"},
                {"", "lost"},
+               {"", fmt::format("> {:g} m", kLost_m)},
                {"position, m", "RMSE"},
                {"position, m", "MAE"},
                {"position, m", "max"},
@@ -86,11 +98,17 @@ bench::Table error_table(const Comparison& c) {
   for (std::size_t k = 0; k < c.summaries.size(); ++k) {
     const Summary& s = c.summaries[k];
     auto& row = t.rows.emplace_back();
-    row = {c.request.entries[k].label,    std::to_string(s.runs),
-           std::to_string(s.lost),        spread(s.position_rmse_m, 4),
-           spread(s.position_mae_m, 4),   spread(s.position_max_m, 3),
-           spread(s.heading_rmse_rad, 4), spread(s.heading_mae_rad, 4),
-           spread(s.heading_max_rad, 3),  spread(s.nees, 1)};
+    row = {c.request.entries[k].label,
+           std::to_string(s.runs),
+           std::to_string(s.lost),
+           percent(s.away),
+           spread(s.position_rmse_m, 4),
+           spread(s.position_mae_m, 4),
+           spread(s.position_max_m, 3),
+           spread(s.heading_rmse_rad, 4),
+           spread(s.heading_mae_rad, 4),
+           spread(s.heading_max_rad, 3),
+           spread(s.nees, 1)};
     if (c.published == nullptr) continue;
     for (std::string& cell : published_cells(*c.published, c.request.entries[k]))
       row.push_back(std::move(cell));
@@ -105,10 +123,11 @@ bench::Table time_table(const Comparison& c) {
                {"", "x real time"},  {"", "scans skipped"}, {"", "backend", true}};
   for (std::size_t k = 0; k < c.summaries.size(); ++k) {
     const Summary& s = c.summaries[k];
+    const bool timed = s.step.count > 0;
     t.rows.push_back({c.request.entries[k].label, s.particles > 0.0 ? number(s.particles, 0) : "-",
-                      bench::milliseconds_text(s.step.median_s), bench::milliseconds_text(s.step.p99_s),
-                      bench::significant(s.real_time_factor, 3),
-                      s.runs > 0 ? fmt::format("{:.1f} %", 100.0 * s.skipped) : "-",
+                      timed ? bench::milliseconds_text(s.step.median_s) : "-",
+                      timed ? bench::milliseconds_text(s.step.p99_s) : "-",
+                      bench::significant(s.real_time_factor, 3), percent(s.skipped),
                       c.outcome.backends[k].empty() ? "-" : c.outcome.backends[k]});
   }
   return t;

@@ -3,13 +3,13 @@
 
 #include <cstdint>
 #include <string>
-#include <utility>
 #include <vector>
 
 #include "common/eval/trial_summary.h"
 #include "common/localize/localizer.h"
 #include "common/map/grid_map.h"
 #include "tools/bench/machine.h"
+#include "tools/bench/page_parts.h"
 
 namespace parloc::evaluate {
 
@@ -33,7 +33,7 @@ struct Evaluation {
 const char* name_of(TrialTask task);
 
 /// What a reader wants to know first, as sentences: name and value.
-using Lines = std::vector<std::pair<std::string, std::string>>;
+using Lines = bench::Lines;
 Lines result_lines(const Evaluation& e);
 Lines time_lines(const Evaluation& e);    ///< What depends on the machine.
 Lines origin_lines(const Evaluation& e);  ///< What was evaluated, and how.

@@ -1,7 +1,7 @@
 #include <nlohmann/json.hpp>
 
 #include "common/io/config.h"
-#include "tools/bench/build_info.h"
+#include "tools/bench/json_parts.h"
 #include "tools/evaluate/evaluation.h"
 
 namespace parloc::evaluate {
@@ -108,32 +108,21 @@ Json times_json(const Evaluation& e) {
           {"wall_s", e.wall_s},
           {"jobs", e.jobs},
           {"date", e.date},
-          {"machine",
-           {{"cpu", e.machine.cpu},
-            {"cores", e.machine.cores},
-            {"memory_bytes", e.machine.memory_bytes},
-            {"os", e.machine.os},
-            {"load_average", e.machine.load_average},
-            {"devices", e.machine.devices}}}};
+          {"machine", bench::machine_json(e.machine)}};
 }
 
 }  // namespace
 
 std::string json_text(const Evaluation& e) {
   Json json{{"tool", "parloc evaluate"}, {"command", e.command}, {"interrupted", e.interrupted}};
-  json["build"] = {{"version", bench::kVersion},
-                   {"commit", bench::kCommit[0] == '\0' ? Json(nullptr) : Json(bench::kCommit)},
-                   {"compiler", bench::kCompiler},
-                   {"flags", bench::kFlags},
-                   {"build_type", bench::kBuildType}};
+  json["build"] = bench::build_json();
   json["plan"] = plan_json(e);
   json["config"] = config_to_yaml(e.config.filter);
   json["summary"] = summary_json(e);
   json["times"] = times_json(e);
   json["trials"] = Json::array();
   for (const TrialResult& t : e.trials) json["trials"].push_back(trial_json(e, t));
-  // A file name in `command` may hold any bytes.
-  return json.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
+  return bench::file_text(json);
 }
 
 }  // namespace parloc::evaluate

@@ -17,24 +17,6 @@ namespace {
 constexpr std::int32_t kLeastMap_px = 600, kMostMap_px = 1600;
 constexpr std::size_t kMostCurvePoints = 1000;
 
-std::string facts_table(const Lines& lines, const char* kind) {
-  std::string html = fmt::format("<table{}>", kind);
-  for (const auto& [name, value] : lines)
-    html += fmt::format("<tr><th>{}</th><td>{}</td></tr>", escape_html(name), escape_html(value));
-  return html + "</table>\n";
-}
-
-/// Whole multiples of 1, 2 or 5 times a power of ten: about six of them.
-std::vector<double> ticks_to(double most) {
-  const double decade = std::pow(10.0, std::floor(std::log10(most / 4)));
-  double step = 10 * decade;
-  for (const double factor : {5.0, 2.0, 1.0})
-    if (factor * decade * 7 >= most) step = factor * decade;
-  std::vector<double> ticks;
-  for (int k = 0; k * step <= most * 1.0001; ++k) ticks.push_back(k * step);
-  return ticks;
-}
-
 /// Steps of the share of all trials that have come to it by then.
 bench::Curve cumulative(const std::string& label, const char* colour, std::vector<double> times_s,
                         std::size_t trials, double until_s) {
@@ -70,7 +52,7 @@ std::string time_plot(const Evaluation& e) {
     plot.curves.push_back(cumulative("noticed", "c5", noticed_s, e.trials.size(), until_s));
   plot.curves.push_back(
       {"limit", "c6", bench::Marker::circle, true, {e.limit_s, e.limit_s}, {0.0, 100.0}, false});
-  plot.x_ticks = ticks_to(until_s);
+  plot.x_ticks = bench::ticks_to(until_s);
   return "<div>" + bench::render(plot) + bench::render_legend(plot.curves) + "</div>";
 }
 
@@ -140,25 +122,20 @@ constexpr const char* kStyle =
 
 std::string html_page(const Evaluation& e, const GridMap& map) {
   const std::string title = fmt::format("parloc evaluate: {}", name_of(e.plan.task));
-  std::string html = fmt::format(
-      "<!DOCTYPE html>\n<html lang=\"en\"><head><meta charset=\"utf-8\"><meta name=\"viewport\" "
-      "content=\"width=device-width,initial-scale=1\"><title>{}</title><style>{}{}{}</style></head><body>\n"
-      "<h1>{}</h1>\n<p class=\"note\">{}</p><code>{}</code>\n",
-      title, report_style(), bench::bench_style(), kStyle, title, escape_html(e.date),
-      escape_html(e.command));
+  std::string html = bench::page_head(title, e.date, e.command, kStyle);
   if (e.interrupted)
     html += fmt::format("<div class=\"warning\">Interrupted: {} of {} trials.</div>\n", e.trials.size(),
                         e.wanted);
-  html += facts_table(result_lines(e), " class=\"summary\"");
+  html += bench::facts_table(result_lines(e), "summary");
   html += "<h2>How soon, and how honest</h2>\n<div class=\"xys\">" + time_plot(e) + reliability_plot(e) +
           "</div>\n";
   html += bench::html_text(reliability_table(e));
   html += map_figure(e, map);
-  html += "<h2>What was evaluated</h2>\n" + facts_table(origin_lines(e), "");
+  html += "<h2>What was evaluated</h2>\n" + bench::facts_table(origin_lines(e));
   html +=
       "<h2>Times on this machine</h2>\n<p class=\"note\">All else on this page is the same on every "
       "machine.</p>\n" +
-      facts_table(time_lines(e), "");
+      bench::facts_table(time_lines(e));
   return html + "</body></html>\n";
 }
 
