@@ -3,7 +3,8 @@
 // reach of the field, is lost here for good.
 #include <gtest/gtest.h>
 
-#include <algorithm>
+#include <ostream>
+#include <string>
 
 #include "common/eval/metrics.h"
 #include "common/filter/pose_filter.h"
@@ -17,6 +18,10 @@ struct Case {
   const char* name;
   std::uint64_t seed;
 };
+
+void PrintTo(const Case& c, std::ostream* out) {
+  *out << c.name << " seed " << c.seed;
+}
 
 class FlowAces : public testing::TestWithParam<Case> {};
 
