@@ -48,31 +48,37 @@ PARLOC_HD FieldValue look_up(const Field& field, const ScanPose& p, const BeamAr
   return capped(bilinear_patch(entry[0], entry[1], at.right, at.up), field.cap_cells);
 }
 
-/// How distance grows as the robot turns, and as the beam gets longer. `direction`: of the beam, base frame.
+/// How distance grows as the robot turns, and as the beam gets longer; and how long the arm is. `direction`:
+/// of the beam, base frame.
 struct BeamSlopes {
   float turn;  ///< [cells/rad]
   float range;
+  float squared_arm;  ///< [cells^2]
 };
 PARLOC_HD BeamSlopes beam_slopes(const FieldValue& f, const ScanPose& p, const BeamArm& arm,
                                  float direction_x, float direction_y) {
   const float dx = fused(p.cos, direction_x, -(p.sin * direction_y));
   const float dy = fused(p.sin, direction_x, p.cos * direction_y);
-  return {fused(f.slope_y, arm.x, -(f.slope_x * arm.y)), fused(f.slope_x, dx, f.slope_y * dy)};
+  return {fused(f.slope_y, arm.x, -(f.slope_x * arm.y)), fused(f.slope_x, dx, f.slope_y * dy),
+          fused(arm.x, arm.x, arm.y * arm.y)};
 }
 
 /// What the mean distance is summed from.
 struct MeanTerms {
-  static constexpr int kSums = 5;
+  static constexpr int kSums = 7;
   PARLOC_HD BeamTerms<kSums> operator()(const FieldValue& f, const BeamSlopes& s) const {
-    return {{f.distance, f.slope_x, f.slope_y, s.turn, s.range * s.range}};
+    return {{f.distance, f.slope_x, f.slope_y, s.turn, s.range * s.range, f.within_reach * f.distance,
+             s.squared_arm}};
   }
 };
 
 /// The measurement of a whole scan.
 struct FieldMeasurement {
-  double psi_m = 0.0;
-  Vector3 slope;                ///< H: of psi by x, y [1] and heading [m/rad].
+  double psi_m = 0.0;           ///< How far off the scan is: beams beyond the cap count with the cap.
+  double pull_m = 0.0;          ///< psi less those beams. They have no slope, so no step can answer for them.
+  Vector3 slope;                ///< H: of both by x, y [1] and heading [m/rad].
   double range_slope_sq = 0.0;  ///< Sum of squared slopes by each range.
+  double arm_m = 0.0;           ///< Root mean square distance of the end points from the robot.
   double beams = 0.0;           ///< That count.
 };
 PARLOC_HD FieldMeasurement finish_measurement(const BeamTerms<MeanTerms::kSums>& sum, double beams,
@@ -80,10 +86,12 @@ PARLOC_HD FieldMeasurement finish_measurement(const BeamTerms<MeanTerms::kSums>&
   FieldMeasurement z;
   if (!(beams > 0.0)) return z;
   z.psi_m = field.resolution_m * static_cast<double>(sum.v[0]) / beams;
+  z.pull_m = field.resolution_m * static_cast<double>(sum.v[5]) / beams;
   z.slope[0] = static_cast<double>(sum.v[1]) / beams;
   z.slope[1] = static_cast<double>(sum.v[2]) / beams;
   z.slope[2] = field.resolution_m * static_cast<double>(sum.v[3]) / beams;
   z.range_slope_sq = static_cast<double>(sum.v[4]) / (beams * beams);
+  z.arm_m = field.resolution_m * __builtin_sqrt(static_cast<double>(sum.v[6]) / beams);
   z.beams = beams;
   return z;
 }

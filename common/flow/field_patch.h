@@ -10,6 +10,7 @@ namespace parloc {
 /// Distance [cells] and its slope, which has no unit.
 struct FieldValue {
   float distance, slope_x, slope_y;
+  float within_reach = 1.0f;  ///< 0 from the cap on.
 };
 
 /// Between four cell centres.
@@ -25,7 +26,7 @@ PARLOC_HD FieldValue bilinear_patch(const DistancePair& left, const DistancePair
 PARLOC_HD FieldValue capped(const FieldValue& f, float cap_cells) {
   const bool far = !(f.distance < cap_cells);
   const float value = max_of(f.distance, 0.0f);
-  return {far ? cap_cells : value, far ? 0.0f : f.slope_x, far ? 0.0f : f.slope_y};
+  return {far ? cap_cells : value, far ? 0.0f : f.slope_x, far ? 0.0f : f.slope_y, far ? 0.0f : 1.0f};
 }
 
 /// Weights of four samples at -1, 0, 1, 2, and their derivatives, at f in [0, 1].

@@ -89,6 +89,9 @@ class MeanUpdate {
   }
 
  private:
+  /// In reaches of the field: the width of the valley around a wall.
+  static constexpr double kLongestStep = 2.0;
+
   /// A Kalman filter beside the particles has a mean of its own, which the flow does not start from.
   PARLOC_HD static int first_flow_sum(const FlowRules& rules) {
     return rules.prior == FlowPrior::ekf ? 1 : 0;
@@ -107,14 +110,19 @@ class MeanUpdate {
       state.skip = FlowSkip::gated;
       return;
     }
-    state.posterior = kalman_update(state.prior, z, gated.variance);
+    // A flow's steps are short, and each looks the field up anew.
+    const double variance =
+        is_kalman(rules.method)
+            ? short_step_variance(p, z, gated.variance, kLongestStep * rules.cap_cells * rules.resolution_m)
+            : gated.variance;
+    state.posterior = kalman_update(state.prior, z, variance);
   }
   /// map_.b is where the flow has brought the mean: the field is linearised there.
   PARLOC_HD void flow_on(const FieldMeasurement& z, int j, const FlowRules& rules, const FlowState& state) {
     if (!has_slope(z)) return;
     const Vector3 k = multiply(state.prior.covariance, z.slope);
     const double s = dot(z.slope, k), r = state.r_scale * psi_variance(z, rules.noise);
-    const double y = dot(z.slope, map_.b) - z.psi_m;
+    const double y = dot(z.slope, map_.b) - z.pull_m;
     const Stretch t = rules.times.stretch(j, state.stiffness);
     const FlowStep f = rules.method == FlowMethod::gromov ? gromov_step(t, s, r, y)
                        : rules.euler                      ? euler_step(t, s, r, y)

@@ -100,7 +100,7 @@ class ParticleFlow {
   PARLOC_HD bool last() const { return own_path_ && asked_ + 1 == wanted_; }
   PARLOC_HD void flow_on(const FieldMeasurement& z, double r, const FlowRules& rules) {
     const Vector3 k = multiply(covariance_, z.slope);
-    const double s = dot(z.slope, k), y = dot(z.slope, path_) - z.psi_m;
+    const double s = dot(z.slope, k), y = dot(z.slope, path_) - z.pull_m;
     if (asked_ == 0) stiffness_ = s / r;
     const Stretch t = rules.times.stretch(asked_, stiffness_);
     const FlowStep f = rules.euler ? euler_step(t, s, r, y) : closed_form_step(t, s, r, y);

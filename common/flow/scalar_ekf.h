@@ -27,6 +27,17 @@ PARLOC_HD GatedNoise gate(const Matrix3& covariance, const FieldMeasurement& z, 
   return g;
 }
 
+/// The variance with which a scan moves its end points, in the root mean square, by `most_m` at most: at
+/// least `variance`. Where walls of all directions pull, their slopes cancel out and the distances do not,
+/// and the step would be many times as long as the field holds.
+PARLOC_HD double short_step_variance(const Matrix3& covariance, const FieldMeasurement& z, double variance,
+                                     double most_m) {
+  const Vector3 k = multiply(covariance, z.slope);
+  const double shift = __builtin_sqrt(k[0] * k[0] + k[1] * k[1]) + __builtin_fabs(k[2]) * z.arm_m;
+  const double s = dot(z.slope, k), least = z.pull_m * shift / most_m - s;
+  return least > variance ? least : variance;
+}
+
 /// Joseph form: symmetric and positive whatever the rounding.
 PARLOC_HD PoseGaussian kalman_update(const PoseGaussian& prior, const FieldMeasurement& z, double variance) {
   const Vector3 k = multiply(prior.covariance, z.slope);
@@ -34,7 +45,7 @@ PARLOC_HD PoseGaussian kalman_update(const PoseGaussian& prior, const FieldMeasu
   Vector3 gain;
   for (int i = 0; i < 3; ++i) gain[i] = k[i] / innovation_variance;
   Vector3 step;
-  for (int i = 0; i < 3; ++i) step[i] = -gain[i] * z.psi_m;
+  for (int i = 0; i < 3; ++i) step[i] = -gain[i] * z.pull_m;
   Matrix3 keep = identity3();
   for (int i = 0; i < 3; ++i)
     for (int j = 0; j < 3; ++j) keep(i, j) -= gain[i] * z.slope[j];

@@ -75,13 +75,13 @@ TEST_P(FlowDigest, OfARealLogIsPinned) {
 // tests/system/digest_test.cpp for how to renew them.
 INSTANTIATE_TEST_SUITE_P(
     All, FlowDigest,
-    testing::Values(Golden{"ekf", "d83b1f32e3f0b6f4b8c7d32b9bcd60e8a429c9bbdf4914ebddc7ba3024022b6c"},
+    testing::Values(Golden{"ekf", "5e492cf8bcd73a695222abb9fed786d3850f9cefad21a639c0b302f2090afff1"},
                     Golden{"ekf_beams", "999b10c7587e282c1a18fbfc7ad694bb24b335d9175c9f22a5928aea816917a5"},
-                    Golden{"edh", "56034ec44895b0ce2ca2772d18ccc1eb57481f3dfd835fa9f4e616e5925a2a6d"},
-                    Golden{"naedh", "26f936a147faee500ca73ccb4292c527d4fcc18fffc0dcf3a5d9b634207d3285"},
-                    Golden{"ledh", "9872f112cb765072c14565705db28cdcc001f6d013456013cd532f510ede72cc"},
+                    Golden{"edh", "d1c76d709fee567dd314a08b1ba7411348845bfad3e4633aa8baf0930d1a663a"},
+                    Golden{"naedh", "6c63aac034ff3925e7bb9ef7b96582210a617615eef21a1c1bfe869e82f17f59"},
+                    Golden{"ledh", "757342552e5579c041595e78956eb56e812497470443384005ee6bc242f5b164"},
                     Golden{"gromov", "0dd3b65a7c18dde7cff4d2d7557b122ec081ce60b468c2755edee87be28762b3"},
-                    Golden{"pfpf", "e0d97b00a39b04d9821daae083fa6b74786146ce9666ce07e59365d146557c9d"}),
+                    Golden{"pfpf", "e8a37a3d75f5175c82fdd257885ab7569780c610782b6fb49e019dd53472948c"}),
     [](const auto& one) { return std::string(one.param.name); });
 
 }  // namespace

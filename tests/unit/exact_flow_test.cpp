@@ -49,7 +49,7 @@ struct Toy {
   /// What a scan would say at a pose, if psi were linear.
   FieldMeasurement at(const Vector3& x) const {
     FieldMeasurement z;
-    z.psi_m = dot(h, x) - 3.0;
+    z.psi_m = z.pull_m = dot(h, x) - 3.0;
     z.slope = h;
     z.beams = 1;
     return z;
@@ -96,6 +96,23 @@ TEST(ScalarEkf, HasTheValuesOfTheSpecification) {
   EXPECT_NEAR(after.covariance(2, 2), 0.002327677709, 1e-8);
   EXPECT_NEAR(test::measure(t1.field, beams, after.mean).psi_m, 0.3081, 1e-4);
   EXPECT_NEAR(gate(prior.covariance, z, r, {}).nis, 10.647194651, 1e-4);
+}
+
+TEST(ScalarEkf, StepsNoFartherThanTheFieldReaches) {
+  FieldMeasurement z;
+  z.psi_m = z.pull_m = 0.4;
+  z.slope = vector3(0.05, 0.0, 0.1);  // small: walls of all directions cancel out
+  z.arm_m = 3.0;
+  z.beams = 100;
+  const PoseGaussian prior{vector3(2, 2, 0), diagonal3(0.01, 0.01, 0.04)};
+  const auto end_points_move = [&](double variance) {
+    const Vector3 step = box_minus(kalman_update(prior, z, variance).mean, prior.mean);
+    return std::hypot(step[0], step[1]) + std::fabs(step[2]) * z.arm_m;
+  };
+  constexpr double r = 1e-4, most_m = 1.0;
+  EXPECT_GT(end_points_move(r), 5.0);
+  EXPECT_NEAR(end_points_move(short_step_variance(prior.covariance, z, r, most_m)), most_m, 1e-9);
+  EXPECT_EQ(short_step_variance(prior.covariance, z, r, 100.0), r);  // short enough as it is
 }
 
 TEST(ScalarEkf, TheGateInflatesOrRejects) {

