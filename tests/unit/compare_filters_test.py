@@ -34,7 +34,7 @@ def result(*rows, unmapped=None):
     return {"plan": {"unmapped_hits": unmapped, "first_seed": 21, "seeds": 20}, "published": PUBLISHED, "filters": list(rows)}
 
 
-GOOD = {"house": {"1e-4": result(row("ekf:wide_field", 0.05, 0.02), row("edh@100", 0.019, 0.009, particles=100))}}
+GOOD = {"house": {"1e-4": result(row("ekf", 0.05, 0.02), row("edh@100", 0.019, 0.009, particles=100))}}
 
 
 class Bars(unittest.TestCase):
@@ -54,7 +54,7 @@ class Bars(unittest.TestCase):
         self.assertEqual([holds for _, _, holds in compare_filters.judged(bad)], [False, True, False])
 
     def test_a_filter_that_lost_all_runs_misses(self):
-        bad = {"house": {"1e-4": result(row("ekf:wide_field", 0.05, 0.02), row("edh@100", None, None, lost=20, particles=100))}}
+        bad = {"house": {"1e-4": result(row("ekf", 0.05, 0.02), row("edh@100", None, None, lost=20, particles=100))}}
         bars = compare_filters.judged(bad)
         self.assertEqual([holds for _, _, holds in bars], [False, True, False])
         self.assertEqual(bars[0][1], "20 lost, - m, - rad")
