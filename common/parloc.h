@@ -15,3 +15,4 @@
 #include "common/map/map_reader.h"
 #include "common/math/pose.h"
 #include "common/search/global_search.h"
+#include "common/slam/grid_slam.h"

@@ -6,6 +6,7 @@
 #include <cstdlib>
 #include <cstring>
 #include <new>
+#include <utility>
 #include <vector>
 
 #include "cuda/stream.h"
@@ -36,6 +37,9 @@ inline void copy_down(void* to, const void* from, std::size_t bytes, Stream s) {
 inline void copy_up(void* to, const void* from, std::size_t bytes, Stream s) {
   PARLOC_CHECK(cudaMemcpyAsync(to, from, bytes, cudaMemcpyDeviceToHost, s), "copying from the device");
 }
+inline void copy_across(void* to, const void* from, std::size_t bytes, Stream s) {
+  PARLOC_CHECK(cudaMemcpyAsync(to, from, bytes, cudaMemcpyDeviceToDevice, s), "copying on the device");
+}
 #else
 inline void* device_alloc(std::size_t bytes) {
   void* p = std::malloc(bytes > 0 ? bytes : 1);
@@ -55,6 +59,9 @@ inline void copy_down(void* to, const void* from, std::size_t bytes, Stream s) {
   submit(s, [=] { std::memcpy(to, from, bytes); });
 }
 inline void copy_up(void* to, const void* from, std::size_t bytes, Stream s) {
+  submit(s, [=] { std::memcpy(to, from, bytes); });
+}
+inline void copy_across(void* to, const void* from, std::size_t bytes, Stream s) {
   submit(s, [=] { std::memcpy(to, from, bytes); });
 }
 #endif
@@ -78,6 +85,10 @@ class Buffer {
   }
   T* data() const { return data_; }
   std::size_t size() const { return size_; }
+  void swap(Buffer& other) {
+    std::swap(data_, other.data_);
+    std::swap(size_, other.size_);
+  }
 
  private:
   T* data_ = nullptr;
@@ -100,6 +111,15 @@ class DeviceBuffer : public Buffer<T, device_alloc, device_free> {
     if (count > 0) copy_up(host.data(), this->data(), count * sizeof(T), s);
     synchronise(s);
     return host;
+  }
+  /// As reserve, but what it held is kept.
+  void grow(std::size_t size, Stream s) {
+    if (size <= this->size()) return;
+    DeviceBuffer larger;
+    larger.reserve(size);
+    if (this->size() > 0) copy_across(larger.data(), this->data(), this->size() * sizeof(T), s);
+    synchronise(s);
+    this->swap(larger);
   }
 };
 

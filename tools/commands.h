@@ -31,6 +31,8 @@ Command add_bench_command(CLI::App& program, const std::string& typed);
 Command add_evaluate_command(CLI::App& program, const std::string& typed);
 /// `typed` is the whole command line, for the results.
 Command add_compare_command(CLI::App& program, const std::string& typed);
+/// `typed` is the whole command line, for the results.
+Command add_slam_command(CLI::App& program, const std::string& typed);
 Command add_devices_command(CLI::App& program);
 
 /// Exit code of a search that found no place on the map, and of a strict run that does not know its place at

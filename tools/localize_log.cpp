@@ -5,13 +5,13 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
-#include <deque>
 #include <limits>
 #include <utility>
 
 #include "common/error.h"
 #include "common/filter/config_fields.h"
 #include "common/model/lidar.h"
+#include "tools/scan_stream.h"
 #include "tools/snapshots.h"
 #include "tools/tracker.h"
 
@@ -75,65 +75,10 @@ class StrictCheck {
   const std::string& log_name_;
 };
 
-/// The scans of a log in file order. Reads ahead of a scan as far as its last beam's time, so that the filter
-/// knows the odometry there.
-class ScanStream {
- public:
-  ScanStream(LogReader& log, const FilterConfig& config, StrictCheck& strict)
-      : log_(log), config_(config), strict_(strict) {}
-
-  /// False at the end of the log.
-  bool next(LogRecord& scan) {
-    while (waiting_.empty())
-      if (!read_record()) return false;
-    scan = std::move(waiting_.front());
-    waiting_.pop_front();
-    const LidarSetup setup =
-        lidar_setup(scan.scan, config_.scan, find_lidar(config_.lidars, scan.scan.sensor));
-    const double until_s = scan.stamp_s + latest_beam_s(scan.scan, setup);
-    // Stamps may run backwards: not for ever.
-    constexpr int farthest = 1000;
-    for (int k = 0; k < farthest && until_s > scan.stamp_s && newest_s_ < until_s; ++k)
-      if (!read_record()) break;
-    return true;
-  }
-
-  /// Gives the tracker the odometry that was read since the last call.
-  void pass_odometry(Tracker& tracker) {
-    for (const StampedPose& reading : odometry_) tracker.add_odometry(reading.stamp_s, reading.pose);
-    odometry_.clear();
-  }
-
- private:
-  bool read_record() {
-    LogRecord record;
-    const bool there = log_.next(record);
-    strict_.check_log(log_.warnings(), there ? record.line : 0);
-    if (!there) return false;
-    newest_s_ = record.stamp_s;
-    odometry_.push_back({record.stamp_s, record.odometry});
-    if (record.kind == RecordKind::scan) waiting_.push_back(std::move(record));
-    return true;
-  }
-
-  LogReader& log_;
-  const FilterConfig& config_;
-  StrictCheck& strict_;
-  std::deque<LogRecord> waiting_;
-  Trajectory odometry_;
-  double newest_s_ = -std::numeric_limits<double>::infinity();
-};
-
 StartPose start_of(const LocalizeRequest& request, double first_stamp_s) {
   if (request.start) return *request.start;
   if (!request.truth.empty()) return start_from_truth(request.truth, first_stamp_s, request.config);
   throw Error(ErrorKind::usage, "no start pose: give --init x,y,theta, --init global, or --truth");
-}
-
-Error no_scan(const LocalizeRequest& request, const LogWarnings& warnings) {
-  std::string message = "expected at least one scan (FLASER, RLASER or ROBOTLASER1), found none";
-  if (!warnings.messages.empty()) message += fmt::format("; {}", warnings.messages.front());
-  return input_error(request.log_name, 0, message);
 }
 
 StepRecord step_record(const Estimate& estimate, double stamp_s, double step_ms) {
@@ -173,7 +118,8 @@ class Run {
 
   void step(const LogRecord& record, ScanStream& scans) {
     const Clock::time_point begun = Clock::now();
-    scans.pass_odometry(tracker_);
+    scans.pass_odometry(
+        [&](const StampedPose& reading) { tracker_.add_odometry(reading.stamp_s, reading.pose); });
     last_scan_ = record.scan;
     if (result_.odometry_only) last_scan_.ranges_m.clear();  // a scan without beams moves the particles only
     LocalizerEstimate judged = tracker_.step(record.odometry, last_scan_);
@@ -228,9 +174,9 @@ class Run {
 
 Localization localize_log(const GridMap& map, LogReader& log, const LocalizeRequest& request) {
   StrictCheck strict(request.strict, request.log_name);
-  ScanStream scans(log, request.config, strict);
+  ScanStream scans(log, request.config, [&](std::size_t line) { strict.check_log(log.warnings(), line); });
   LogRecord record;
-  if (!scans.next(record)) throw no_scan(request, log.warnings());
+  if (!scans.next(record)) throw no_scan(request.log_name, log.warnings());
 
   Run run(map, request, record);
   bool more = true;

@@ -62,6 +62,7 @@ int run_program(int argc, char** argv) {
                                       add_config_command(program),
                                       add_evaluate_command(program, typed),
                                       add_compare_command(program, typed),
+                                      add_slam_command(program, typed),
                                       add_bench_command(program, typed),
                                       add_devices_command(program)};
   try {

@@ -13,6 +13,7 @@
 #include "common/filter/backend_choice.h"
 #include "common/flow/flow_config.h"
 #include "common/search/search_config.h"
+#include "common/slam/slam_config.h"
 
 namespace parloc {
 
@@ -164,6 +165,7 @@ struct FilterConfig {
   EstimateConfig estimate;
   LocalizeConfig localize;
   FlowConfig flow;
+  SlamConfig slam;
   SearchConfig search;              ///< Its backend, threads and device are those above.
   std::vector<LidarConfig> lidars;  ///< May be empty; in no order.
 

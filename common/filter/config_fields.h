@@ -47,7 +47,7 @@ inline constexpr FieldGroup kLidars{
     "lidars",
     "What the log does not say of a LiDAR, or says wrongly: an entry for each, by its name in the log."};
 
-inline constexpr std::array<FieldGroup, 10> kFieldGroups{{
+inline constexpr std::array<FieldGroup, 11> kFieldGroups{{
     {"motion", "How the robot moves: odometry motion model."},
     {"scan", "Which beams of a scan are used, and what their values mean."},
     {"sensor", "How well a scan fits the map at a pose. Each model uses the keys it knows."},
@@ -58,6 +58,7 @@ inline constexpr std::array<FieldGroup, 10> kFieldGroups{{
     {"localize", "What watches the filter, and what is done when it is lost (docs/localize.md)."},
     {"flow",
      "Kalman filters and particle flows on the distance field (docs/flow.md); the others do not read it."},
+    {"slam", "Mapping without a map (docs/slam.md); the filters on a map do not read it."},
     {"search", "The search of the whole map (docs/locate.md)."},
 }};
 
@@ -103,6 +104,10 @@ inline constexpr std::array<Choice<FieldInterpolation>, 2> kFieldInterpolations{
     {{"bilinear", FieldInterpolation::bilinear}, {"cubic", FieldInterpolation::cubic}}};
 inline constexpr std::array<Choice<FlowGate>, 3> kFlowGates{
     {{"off", FlowGate::off}, {"inflate", FlowGate::inflate}, {"reject", FlowGate::reject}}};
+
+inline constexpr std::array<Choice<SlamProposal>, 3> kSlamProposals{{{"motion", SlamProposal::motion},
+                                                                     {"scan_match", SlamProposal::scan_match},
+                                                                     {"gaussian", SlamProposal::gaussian}}};
 
 /// Calls `visit` once per setting, in the order of the printed configuration (top level first, then by
 /// group), with (Field, number&, Limits<number>) for int, int64, uint64 and double; (Field, bool&); (Field,
@@ -271,6 +276,41 @@ void visit_fields(Config& c, Visitor&& visit) {
   visit(Field{"flow", "pfpf_sigma_xy", "pfpf: motion noise besides, whatever the motion [m]"},
         f.pfpf_sigma_xy, Real{0.0001, 10});
   visit(Field{"flow", "pfpf_sigma_theta", "... of the heading [rad]"}, f.pfpf_sigma_theta, Real{0.0001, 10});
+
+  auto& l = c.slam;
+  visit(Field{"slam", "particles", "Each with a map of its own"}, l.particles,
+        Limits<std::int64_t>{1, 65'535});
+  visit(Field{"slam", "proposal", "From odometry alone, the best fit near it, or drawn around that"},
+        l.proposal, kSlamProposals);
+  visit(Field{"slam", "max_beams", "Beams used of a scan, in place of scan.max_beams"}, l.max_beams,
+        Int{1, static_cast<int>(kMostSlamBeams)});
+  visit(Field{"slam", "resolution", "Cell size of the maps [m]"}, l.resolution, Real{0.005, 1});
+  visit(Field{"slam", "usable_range", "Beams are cut here: farther ends are not used [m]"}, l.usable_range,
+        Real{0.1, 200});
+  visit(Field{"slam", "update_min_d", "Take a scan in after this much translation [m]"}, l.update_min_d,
+        Real{0, 100});
+  visit(Field{"slam", "update_min_a", "... or after this much rotation [rad]"}, l.update_min_a, Real{0, 100});
+  visit(Field{"slam", "resample_threshold", "Resample when N_eff < threshold * N; 1: every time"},
+        l.resample_threshold, Real{0, 1});
+  visit(Field{"slam", "beta_weight", "Exponent of a scan's likelihood in the weights"}, l.beta_weight,
+        Real{0, 1, true});
+  visit(Field{"slam", "beta_proposal", "... in the gaussian proposal"}, l.beta_proposal, Real{0, 1, true});
+  visit(Field{"slam", "step_xy", "First step of the scan matcher [m]"}, l.step_xy, Real{0, 1, true});
+  visit(Field{"slam", "step_theta", "... [rad]"}, l.step_theta, Real{0, 1, true});
+  visit(Field{"slam", "iterations", "Times that it halves its steps"}, l.iterations, Int{1, 20});
+  visit(Field{"slam", "sigma_score", "Of the matcher's score, exp(-d^2 / sigma) [m^2]"}, l.sigma_score,
+        Real{0, 10, true});
+  visit(Field{"slam", "sigma_likelihood", "Of a beam's log-likelihood, -d^2 / sigma [m^2]"},
+        l.sigma_likelihood, Real{0, 10, true});
+  visit(Field{"slam", "min_score", "Score per beam below which matching has failed"}, l.min_score,
+        Real{0, 1});
+  visit(Field{"slam", "box_xy", "gaussian: half the box that is looked at [m]"}, l.box_xy, Real{0, 1, true});
+  visit(Field{"slam", "box_theta", "... [rad]"}, l.box_theta, Real{0, 1, true});
+  visit(Field{"slam", "motion_floor_xy", "Motion noise besides, whatever the motion [m]"}, l.motion_floor_xy,
+        Real{0, 10, true});
+  visit(Field{"slam", "motion_floor_theta", "... [rad]"}, l.motion_floor_theta, Real{0, 10, true});
+  visit(Field{"slam", "occupied_above", "Share of beams ending there from which a cell is a wall"},
+        l.occupied_above, Real{0, 1});
 
   visit(Field{"search", "cell_m", "Finer cells of the map are put together to such [m]"}, c.search.cell_m,
         Real{0, 10, true});

@@ -16,6 +16,14 @@ PARLOC_HD std::uint64_t atomic_add(std::uint64_t* at, std::uint64_t value) {
 #endif
 }
 
+PARLOC_HD std::uint32_t atomic_add(std::uint32_t* at, std::uint32_t value) {
+#if defined(__CUDA_ARCH__)
+  return atomicAdd(at, value);
+#else
+  return __atomic_fetch_add(at, value, __ATOMIC_RELAXED);
+#endif
+}
+
 /// Stores `desired` if *at is `expected`; returns what was there.
 template <class T>
 PARLOC_HD T atomic_swap_if(T* at, T expected, T desired) {

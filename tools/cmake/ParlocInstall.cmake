@@ -26,6 +26,8 @@ set(PARLOC_PUBLIC_HEADERS
   model/beam_counts.h
   search/global_search.h
   search/search_config.h
+  slam/grid_slam.h
+  slam/slam_config.h
   parloc.h)
 set(_parloc_include_dir ${PROJECT_BINARY_DIR}/include)
 foreach(header ${PARLOC_PUBLIC_HEADERS})

@@ -1,0 +1,195 @@
+#include "common/slam/grid_slam.h"
+
+#include <algorithm>
+#include <cmath>
+#include <optional>
+
+#include "common/error.h"
+#include "common/filter/scan_intake.h"
+#include "common/io/config.h"
+#include "common/math/portable64.h"
+#include "common/math/sha256.h"
+#include "common/slam/path_tree.h"
+#include "common/slam/slam_backend.h"
+
+namespace parloc {
+namespace {
+
+/// A scan, and which of the steps was the last one then.
+struct Moment {
+  double stamp_s;
+  Pose odometry;
+  std::size_t step;
+  bool counted;
+};
+
+double turn_between(const Pose& a, const Pose& b) {
+  return std::fabs(wrap64(b.theta_rad - a.theta_rad));
+}
+double way_between(const Pose& a, const Pose& b) {
+  return std::sqrt((b.x_m - a.x_m) * (b.x_m - a.x_m) + (b.y_m - a.y_m) * (b.y_m - a.y_m));
+}
+Pose blend(const Pose& a, const Pose& b, double part) {
+  return {a.x_m + part * (b.x_m - a.x_m), a.y_m + part * (b.y_m - a.y_m),
+          wrap64(a.theta_rad + part * wrap64(b.theta_rad - a.theta_rad))};
+}
+
+FilterConfig with_own_beams(FilterConfig c) {
+  c.scan.max_beams = c.slam.max_beams;
+  return c;
+}
+
+}  // namespace
+
+struct GridSlam::State {
+  explicit State(const FilterConfig& c)
+      : config(with_own_beams(c)),
+        track(c.motion.max_jump_m),
+        paths(static_cast<std::size_t>(c.slam.particles)) {}
+
+  FilterConfig config;
+  std::unique_ptr<SlamBackend> backend;
+  OdometryTrack track;
+  ScanIntake intake;
+  BeamTable beams;
+  std::optional<Pose> odometry;  ///< At the last scan that counted.
+  std::vector<Moment> moments;
+  std::vector<Pose> odometry_of;  ///< By step.
+  std::vector<SlamRecord> records;
+  PathTree paths;
+  const SlamStep* last = nullptr;
+
+  bool far_enough(const Pose& now) const {
+    return !odometry || way_between(*odometry, now) >= config.slam.update_min_d ||
+           turn_between(*odometry, now) >= config.slam.update_min_a;
+  }
+  bool take_in(const Scan& scan) {
+    return intake.take(scan, intake.lidar_of(scan), config.scan, config.lidars, config.sensor, track,
+                       config.slam.resolution, beams) &&
+           beams.hits >= static_cast<std::size_t>(config.scan.min_beams);
+  }
+  Pose pose_at(const Moment& m, const std::vector<Pose>& path) const;
+};
+
+GridSlam::GridSlam(const FilterConfig& config) : state_(std::make_unique<State>(config)) {
+  validate(config);
+  std::string why;
+  state_->backend = make_slam_backend(config.backend, {config.slam, config.threads, config.device}, why);
+}
+GridSlam::~GridSlam() = default;
+
+void GridSlam::add_odometry(double stamp_s, const Pose& odometry) {
+  state_->track.add(stamp_s, odometry);
+}
+
+bool GridSlam::step(const Pose& odometry, const Scan& scan) {
+  State& s = *state_;
+  s.track.add(scan.stamp_s, odometry);
+  const bool counts = s.far_enough(odometry) && s.take_in(scan);
+  if (!counts) {
+    if (s.odometry) s.moments.push_back({scan.stamp_s, odometry, s.records.size() - 1, false});
+    return false;
+  }
+  const OdometryIncrement u =
+      s.odometry ? odometry_increment(*s.odometry, odometry, s.config.motion.min_translation_m)
+                 : OdometryIncrement{};
+  const RandomKey key{s.config.seed, static_cast<std::uint32_t>(s.records.size())};
+  s.last = &s.backend->step(motion_step(u, s.config.motion), key, s.beams);
+  s.odometry = odometry;
+  s.odometry_of.push_back(odometry);
+  s.moments.push_back({scan.stamp_s, odometry, s.records.size(), true});
+  std::vector<Pose> poses(s.last->x.size());
+  for (std::size_t i = 0; i < poses.size(); ++i) poses[i] = {s.last->x[i], s.last->y[i], s.last->theta[i]};
+  s.paths.add(poses, s.last->ancestor);
+  s.records.push_back({scan.stamp_s, s.last->state.n_eff, s.last->state.resample != 0, s.last->tiles});
+  return true;
+}
+
+std::size_t GridSlam::best() const {
+  const std::vector<float>& l = state_->last->likelihood;
+  return static_cast<std::size_t>(std::max_element(l.begin(), l.end()) - l.begin());
+}
+
+Pose GridSlam::State::pose_at(const Moment& m, const std::vector<Pose>& path) const {
+  if (m.counted) return path[m.step];
+  const Pose forward = compose(path[m.step], relative(m.odometry, odometry_of[m.step]));
+  if (m.step + 1 >= path.size()) return forward;
+  const Pose &before = odometry_of[m.step], &after = odometry_of[m.step + 1];
+  const Pose backward = compose(path[m.step + 1], relative(m.odometry, after));
+  // A radian of turning counts as a metre.
+  const double to = way_between(before, m.odometry) + turn_between(before, m.odometry);
+  const double from = way_between(m.odometry, after) + turn_between(m.odometry, after);
+  return blend(forward, backward, to + from > 0.0 ? to / (to + from) : 0.0);
+}
+
+Trajectory GridSlam::trajectory() const {
+  const State& s = *state_;
+  Trajectory out;
+  if (s.records.empty()) return out;
+  const std::vector<Pose> path = s.paths.path(best());
+  for (const Moment& m : s.moments) out.push_back({m.stamp_s, s.pose_at(m, path)});
+  return out;
+}
+
+GridMap GridSlam::map() const {
+  const State& s = *state_;
+  if (s.records.empty()) throw Error(ErrorKind::input, "slam: no scan was taken in, there is no map");
+  const SlamCells cells = s.backend->map_of(best());
+  std::int32_t i0 = cells.width, i1 = -1, j0 = cells.height, j1 = -1;
+  const auto word = [&](std::int32_t i, std::int32_t j) {
+    return cells.cell[static_cast<std::size_t>(j) * static_cast<std::size_t>(cells.width) +
+                      static_cast<std::size_t>(i)];
+  };
+  for (std::int32_t j = 0; j < cells.height; ++j)
+    for (std::int32_t i = 0; i < cells.width; ++i)
+      if (visits_of(word(i, j)) > 0)
+        i0 = std::min(i0, i), i1 = std::max(i1, i), j0 = std::min(j0, j), j1 = std::max(j1, j);
+  if (i1 < 0) throw Error(ErrorKind::input, "slam: no beam ended or passed anywhere, there is no map");
+  GridMap map;
+  map.width = i1 - i0 + 1, map.height = j1 - j0 + 1;
+  map.resolution_m = s.config.slam.resolution;
+  map.T_map_grid = {(cells.first_i + i0) * map.resolution_m, (cells.first_j + j0) * map.resolution_m, 0.0};
+  map.name = "slam";
+  for (std::int32_t j = j0; j <= j1; ++j)
+    for (std::int32_t i = i0; i <= i1; ++i) {
+      const CellWord w = word(i, j);
+      const bool wall = hits_of(w) > s.config.slam.occupied_above * visits_of(w);
+      map.cells.push_back(visits_of(w) == 0 ? Cell::unknown : wall ? Cell::occupied : Cell::free);
+    }
+  return map;
+}
+
+const std::vector<SlamRecord>& GridSlam::records() const {
+  return state_->records;
+}
+std::vector<std::size_t> GridSlam::distinct_ancestors() const {
+  return state_->paths.distinct();
+}
+SlamMemory GridSlam::memory() const {
+  const State& s = *state_;
+  SlamMemory memory;
+  for (const SlamRecord& r : s.records)
+    memory.most_tile_bytes = std::max(memory.most_tile_bytes, r.tiles * sizeof(Tile));
+  if (!s.records.empty()) memory.tile_bytes = s.records.back().tiles * sizeof(Tile);
+  if (s.last != nullptr) memory.table_bytes = s.last->table_bytes;
+  return memory;
+}
+const std::vector<LidarUse>& GridSlam::lidars_used() const {
+  return state_->intake.used();
+}
+const FilterConfig& GridSlam::config() const {
+  return state_->config;
+}
+std::string GridSlam::backend_name() const {
+  return state_->backend->name();
+}
+std::string GridSlam::digest() const {
+  Sha256 sha;
+  for (const StampedPose& p : trajectory())
+    for (const double v : {p.pose.x_m, p.pose.y_m, p.pose.theta_rad}) sha.add(v);
+  const SlamCells cells = state_->backend->map_of(best());
+  sha.add(cells.cell.data(), cells.cell.size() * sizeof(CellWord));
+  return sha.hex();
+}
+
+}  // namespace parloc

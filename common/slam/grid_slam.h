@@ -1,0 +1,65 @@
+// Mapping without a map: a Rao-Blackwellized particle filter whose particles each carry a grid map (GMapping;
+// Grisetti, Stachniss and Burgard 2007; SPEC 9).
+#pragma once
+
+#include <cstddef>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "common/filter/config.h"
+#include "common/io/log.h"
+#include "common/io/trajectory.h"
+#include "common/map/grid_map.h"
+#include "common/model/beam_counts.h"
+
+namespace parloc {
+
+/// One scan that was taken in.
+struct SlamRecord {
+  double stamp_s = 0.0;
+  double n_eff = 0.0;
+  bool resampled = false;
+  std::size_t tiles = 0;  ///< In use by all particles together.
+};
+
+/// What the maps of all particles take together.
+struct SlamMemory {
+  std::size_t tile_bytes = 0;       ///< Of the tiles in use now.
+  std::size_t most_tile_bytes = 0;  ///< That were ever in use at once.
+  std::size_t table_bytes = 0;      ///< Which tile is where, for every particle.
+};
+
+class GridSlam {
+ public:
+  /// Reads particles..seed, motion, scan, lidars and slam of the configuration. Throws Error{config} and
+  /// Error{backend}.
+  explicit GridSlam(const FilterConfig& config);
+  ~GridSlam();
+
+  void add_odometry(double stamp_s, const Pose& odometry);
+  /// Takes a scan in if the robot has moved far enough since the last one that counted; whether it did. The
+  /// map frame's origin is where the first scan was taken.
+  bool step(const Pose& odometry, const Scan& scan);
+
+  /// Slot of the most likely particle.
+  std::size_t best() const;
+  /// Its pose at every scan so far, map frame; between scans that counted by odometry, bent to fit both.
+  Trajectory trajectory() const;
+  /// Its map, cropped to what is known.
+  GridMap map() const;
+  const std::vector<SlamRecord>& records() const;
+  /// By scan that counted: how many different poses the particles of now have behind them there.
+  std::vector<std::size_t> distinct_ancestors() const;
+  SlamMemory memory() const;
+  const std::vector<LidarUse>& lidars_used() const;  ///< By LiDAR, in the order in which they came.
+  const FilterConfig& config() const;
+  std::string backend_name() const;
+  std::string digest() const;
+
+ private:
+  struct State;
+  std::unique_ptr<State> state_;
+};
+
+}  // namespace parloc

@@ -1,0 +1,98 @@
+// How well a scan fits a map in the making (SPEC 9.2): the distance from each end point to the nearest mean
+// of earlier end points, among the 3 x 3 cells around it that are occupied and have free space before them.
+#pragma once
+
+#include "common/filter/stages.h"
+#include "common/slam/tiles.h"
+
+namespace parloc {
+
+/// Pose of a particle: map frame, metres and radians.
+struct SlamPose {
+  float x = 0, y = 0, theta = 0;
+};
+
+/// Nothing near a beam's end.
+constexpr float kNoMatch = -1.0f;
+
+/// Bits 3 (dj + 1) + di + 1: the neighbours of cell (i, j) that are occupied.
+PARLOC_HD std::uint32_t occupied_around(const TileMap& map, std::int32_t i, std::int32_t j) {
+  const std::int32_t in_i = i & (kTileCells - 1), in_j = j & (kTileCells - 1);
+  if (in_i > 0 && in_i < kTileCells - 1 && in_j > 0 && in_j < kTileCells - 1) {  // all in one tile
+    const std::uint32_t* row = map.tile(i, j).occupied + in_j;
+    const int shift = in_i - 1;
+    return ((row[-1] >> shift) & 7u) | (((row[0] >> shift) & 7u) << 3) | (((row[1] >> shift) & 7u) << 6);
+  }
+  return map.occupied_row(i, j - 1) | (map.occupied_row(i, j) << 3) | (map.occupied_row(i, j + 1) << 6);
+}
+
+/// Squared distance from (u, v) to the nearest mean end point that may be the same wall [cells^2], or
+/// kNoMatch. (du, dv): direction of the beam. All in cells from the map's origin.
+PARLOC_HD float match_beam(const TileMap& map, float u, float v, float du, float dv) {
+  constexpr float kBefore = 1.41421356f;  // cells: a diagonal before the wall there must be free space
+  const float fi = floor_of(u), fj = floor_of(v);
+  const std::int32_t i = static_cast<std::int32_t>(fi), j = static_cast<std::int32_t>(fj);
+  std::uint32_t walls = occupied_around(map, i, j);
+  if (walls == 0) return kNoMatch;
+  const std::int32_t free_i = static_cast<std::int32_t>(floor_of(fused(-kBefore, du, u)));
+  const std::int32_t free_j = static_cast<std::int32_t>(floor_of(fused(-kBefore, dv, v)));
+  walls &= ~occupied_around(map, free_i, free_j);
+  const float in_u = u - fi, in_v = v - fj;
+  float best = kNoMatch;
+  for (int k = 0; k < 9; ++k) {
+    if (((walls >> k) & 1u) == 0) continue;
+    const std::int32_t di = k % 3 - 1, dj = k / 3 - 1;
+    const MeanPlace mean = mean_place(map.cell(i + di, j + dj));
+    const float x = static_cast<float>(di) + mean.x - in_u, y = static_cast<float>(dj) + mean.y - in_v;
+    const float d = fused(x, x, y * y);
+    best = best < 0.0f || d < best ? d : best;
+  }
+  return best;
+}
+
+/// What the sums over beams are made of. Fixed point, so that their order does not matter.
+constexpr float kScoreUnits = 65536.0f;
+struct MatchRules {
+  float inv_resolution = 0;   ///< [cells/m]
+  float usable_m = 0;         ///< Beams that end beyond are not matched.
+  float score_rate = 0;       ///< Cells^2 of the end points' distance to the exponent of the score.
+  float likelihood_rate = 0;  ///< ... to the logarithm of the likelihood [nat].
+  std::int32_t no_match = 0;  ///< Log-likelihood of a beam without a match [nat kScoreUnits].
+};
+
+/// Sum over beams of exp(-d^2 / sigma): how many of them fit [1/65536].
+struct ScoreTerm {
+  PARLOC_HD std::int32_t operator()(float d, const MatchRules& r) const {
+    return d < 0.0f ? 0 : whole_of(portable_exp(d * r.score_rate) * kScoreUnits);
+  }
+};
+/// Sum over beams of the log-likelihood [nat / 65536].
+struct LikelihoodTerm {
+  PARLOC_HD std::int32_t operator()(float d, const MatchRules& r) const {
+    const float units = max_of(d * r.likelihood_rate * kScoreUnits, static_cast<float>(r.no_match));
+    return d < 0.0f ? r.no_match : whole_of(units);
+  }
+};
+
+/// A pose as beams need it.
+struct MatchPose {
+  float u, v, cos, sin;
+};
+PARLOC_HD MatchPose match_pose(const SlamPose& p, const MatchRules& r) {
+  const SinCos a = portable_sincos(p.theta);
+  return {p.x * r.inv_resolution, p.y * r.inv_resolution, a.cos, a.sin};
+}
+
+/// One beam's part of a sum.
+template <class Term>
+PARLOC_HD std::int32_t match_term(const TileMap& map, const Beams& b, std::size_t m, const MatchPose& p,
+                                  const MatchRules& r, const Term& term) {
+  if (b.range_m[m] > r.usable_m) return 0;
+  const float u = fused(p.cos, b.end_x[m], fused(-p.sin, b.end_y[m], p.u));
+  const float v = fused(p.sin, b.end_x[m], fused(p.cos, b.end_y[m], p.v));
+  const float du = fused(p.cos, b.direction_x[m], -(p.sin * b.direction_y[m]));
+  const float dv = fused(p.sin, b.direction_x[m], p.cos * b.direction_y[m]);
+  return term(match_beam(map, u, v, du, dv), r);
+}
+
+}  // namespace parloc

@@ -1,0 +1,136 @@
+// From a particle's pose to its next one, with the scan (SPEC 9.3). Like HillClimb it asks for what the scan
+// says at several poses at once.
+#pragma once
+
+#include "common/slam/gaussian_proposal.h"
+#include "common/slam/hill_climb.h"
+#include "common/slam/slam_config.h"
+
+namespace parloc {
+
+struct ProposeRules {
+  SlamProposal proposal = SlamProposal::scan_match;
+  MatchRules match;
+  ClimbRules climb;
+  ProposalBox box;
+  float beta_weight = 0, beta_proposal = 1;
+  float min_score = 0;  ///< Per beam [1/65536].
+  float floor_xy = 0, floor_theta = 0;
+  RandomKey key;
+  MotionStep motion;
+  std::size_t beams = 0;  ///< That are matched; 0: no scan, or nothing to match it to.
+};
+
+class Proposer {
+ public:
+  static constexpr int kMostPoses = kBoxPoints;
+  static constexpr int kMostRounds = HillClimb::kMostRounds + 1;
+  enum class Ask { score, likelihood };
+
+  PARLOC_HD void begin(const SlamPose& pose, std::uint32_t slot, const ProposeRules& r) {
+    least_score_ = r.min_score * static_cast<float>(r.beams);
+    log_weight_ = 0.0f;
+    if (r.proposal == SlamProposal::gaussian) {
+      const MotionNoise u = motion_noise(r.motion);
+      predicted_ = moved(vector_of(pose), u);
+      motion_ = motion_covariance(vector_of(pose), u);
+      for (int i = 0; i < 3; ++i) {
+        const double floor = i < 2 ? r.floor_xy : r.floor_theta;
+        motion_(i, i) += floor * floor;
+      }
+      pose_ = pose_of(predicted_);
+    } else {
+      pose_ = drawn(pose, slot, r);
+    }
+    before_ = pose;
+    slot_ = slot;
+    stage_ = r.beams == 0 ? Stage::end : Stage::likelihood;
+    if (stage_ == Stage::end && r.proposal == SlamProposal::gaussian) pose_ = drawn(pose, slot, r);
+    if (stage_ == Stage::likelihood && r.proposal != SlamProposal::motion) {
+      stage_ = Stage::climb;
+      climb_.begin(pose_, r.climb);
+    }
+  }
+  PARLOC_HD bool done() const { return stage_ == Stage::end; }
+  PARLOC_HD Ask ask() const { return stage_ == Stage::climb ? Ask::score : Ask::likelihood; }
+  PARLOC_HD int wanted() const {
+    return stage_ == Stage::climb ? climb_.wanted()
+           : stage_ == Stage::box ? kBoxPoints
+           : stage_ == Stage::end ? 0
+                                  : 1;
+  }
+  PARLOC_HD SlamPose candidate(int k, const ProposeRules& r) const {
+    if (stage_ == Stage::climb) return climb_.candidate(k);
+    if (stage_ == Stage::box) return pose_of(box_plus(vector_of(pose_), r.box.offset(k)));
+    return pose_;
+  }
+  /// `log`: room for kMostPoses.
+  PARLOC_HD void take(const std::int32_t* sum, double* log, const ProposeRules& r) {
+    if (stage_ == Stage::climb) {
+      climb_.take(sum);
+      if (climb_.done()) finish_climb(r);
+    } else if (stage_ == Stage::box) {
+      finish_box(sum, log, r);
+    } else {
+      log_weight_ = r.beta_weight * nats(sum[0]);
+      stage_ = Stage::end;
+    }
+  }
+  PARLOC_HD const SlamPose& pose() const { return pose_; }
+  PARLOC_HD float log_weight() const { return log_weight_; }
+
+ private:
+  enum class Stage { climb, box, likelihood, end };
+
+  PARLOC_HD static float nats(std::int32_t sum) { return static_cast<float>(sum) / kScoreUnits; }
+  PARLOC_HD static Vector3 vector_of(const SlamPose& p) {
+    Vector3 v;
+    v[0] = p.x, v[1] = p.y, v[2] = p.theta;
+    return v;
+  }
+  PARLOC_HD static SlamPose pose_of(const Vector3& v) {
+    return {static_cast<float>(v[0]), static_cast<float>(v[1]), wrap(static_cast<float>(v[2]))};
+  }
+  PARLOC_HD static SlamPose drawn(const SlamPose& pose, std::uint32_t slot, const ProposeRules& r) {
+    SlamPose p = pose;
+    predict_one(p.x, p.y, p.theta, r.motion, slot, r.key.step, r.key.seed);
+    spread_one(p.x, p.y, p.theta, r.motion, slot, r.key.step, r.key.seed);
+    return p;
+  }
+  PARLOC_HD void finish_climb(const ProposeRules& r) {
+    const bool fits = static_cast<float>(climb_.score()) > least_score_;
+    if (fits) pose_ = climb_.pose();
+    if (!fits && r.proposal == SlamProposal::gaussian) pose_ = drawn(before_, slot_, r);
+    stage_ = fits && r.proposal == SlamProposal::gaussian ? Stage::box : Stage::likelihood;
+  }
+  PARLOC_HD void finish_box(const std::int32_t* sum, double* log, const ProposeRules& r) {
+    const Vector3 best = vector_of(pose_);
+    const Cholesky3 q = cholesky(motion_);
+    for (int k = 0; k < kBoxPoints; ++k) {
+      const Vector3 x = box_plus(best, r.box.offset(k));
+      log[k] = r.beta_proposal * static_cast<double>(nats(sum[k])) + log_density(q, box_minus(x, predicted_));
+    }
+    const auto offset = [&](int k) { return r.box.offset(k); };
+    const ProposalMoments m = proposal_moments(log, kBoxPoints, offset);
+    const Normals n = normals(philox(slot_, r.key.step, Stream::slam_proposal, 0, r.key.seed));
+    Vector3 noise;
+    for (int i = 0; i < 3; ++i) noise[i] = n.n[i];
+    Matrix3 spread = m.covariance;
+    for (int i = 0; i < 3; ++i) spread(i, i) += 1e-12;
+    const Vector3 drawn_at = plus(m.shift, 1.0, multiply(semidefinite_root(spread), noise));
+    pose_ = pose_of(box_plus(best, drawn_at));
+    const double per_point = portable_log64(r.box.volume() / kBoxPoints);
+    log_weight_ = static_cast<float>(r.beta_weight / r.beta_proposal * (m.log_eta + per_point));
+    stage_ = Stage::end;
+  }
+
+  HillClimb climb_;
+  SlamPose pose_, before_;
+  Vector3 predicted_;
+  Matrix3 motion_;
+  std::uint32_t slot_ = 0;
+  float least_score_ = 0, log_weight_ = 0;
+  Stage stage_ = Stage::end;
+};
+
+}  // namespace parloc

@@ -1,0 +1,119 @@
+#include "common/slam/slam_backend.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "common/error.h"
+
+namespace parloc {
+
+ProposeRules bind_propose_rules(const SlamConfig& c) {
+  const double cell_sq = c.resolution * c.resolution;
+  ProposeRules r;
+  r.proposal = c.proposal;
+  r.match.inv_resolution = static_cast<float>(1.0 / c.resolution);
+  r.match.usable_m = static_cast<float>(c.usable_range);
+  r.match.score_rate = static_cast<float>(-cell_sq / c.sigma_score);
+  r.match.likelihood_rate = static_cast<float>(-cell_sq / c.sigma_likelihood);
+  r.match.no_match = static_cast<std::int32_t>(-0.5 / c.sigma_likelihood * static_cast<double>(kScoreUnits));
+  r.climb = {static_cast<float>(c.step_xy), static_cast<float>(c.step_theta), c.iterations};
+  r.box = {c.box_xy, c.box_theta};
+  r.beta_weight = static_cast<float>(c.beta_weight);
+  r.beta_proposal = static_cast<float>(c.beta_proposal);
+  r.min_score = static_cast<float>(c.min_score * static_cast<double>(kScoreUnits));
+  r.floor_xy = static_cast<float>(c.motion_floor_xy);
+  r.floor_theta = static_cast<float>(c.motion_floor_theta);
+  return r;
+}
+
+DrawRules bind_draw_rules(const SlamConfig& c) {
+  return {static_cast<float>(1.0 / c.resolution), static_cast<float>(c.usable_range / c.resolution)};
+}
+
+void bind_scan(ProposeRules& rules, const BeamTable& scan, bool empty) {
+  rules.motion.spread_xy = rules.floor_xy, rules.motion.spread_theta = rules.floor_theta;
+  rules.beams = 0;
+  for (std::size_t m = 0; m < scan.hits && !empty; ++m)
+    rules.beams += scan.range_m[m] <= rules.match.usable_m ? 1 : 0;
+}
+
+void inherit(std::vector<float>& values, const std::vector<std::uint32_t>& ancestor) {
+  const std::vector<float> before = values;
+  for (std::size_t j = 0; j < values.size(); ++j) values[j] = before[ancestor[j]];
+}
+
+TileSpan grown_span(const TileSpan& span, const std::vector<float>& x, const std::vector<float>& y,
+                    double reach_m, double resolution_m) {
+  const double tile_m = kTileCells * resolution_m;
+  const auto [x0, x1] = std::minmax_element(x.begin(), x.end());
+  const auto [y0, y1] = std::minmax_element(y.begin(), y.end());
+  const auto low = [&](float v) { return static_cast<std::int32_t>(std::floor((v - reach_m) / tile_m)) - 1; };
+  const auto high = [&](float v) {
+    return static_cast<std::int32_t>(std::floor((v + reach_m) / tile_m)) + 2;
+  };
+  const std::int32_t i0 = low(*x0), i1 = high(*x1), j0 = low(*y0), j1 = high(*y1);
+  const std::int32_t end_i = span.first_i + span.width, end_j = span.first_j + span.height;
+  if (span.width > 0 && i0 >= span.first_i && j0 >= span.first_j && i1 <= end_i && j1 <= end_j) return span;
+  constexpr std::int32_t kSpare = 8;  // so that it does not grow with every metre
+  const auto least = [&](std::int32_t now, std::int32_t need) { return need < now ? need - kSpare : now; };
+  const auto most = [&](std::int32_t now, std::int32_t need) { return need > now ? need + kSpare : now; };
+  if (span.width == 0) return {i0 - kSpare, j0 - kSpare, i1 - i0 + 2 * kSpare, j1 - j0 + 2 * kSpare};
+  TileSpan s;
+  s.first_i = least(span.first_i, i0), s.first_j = least(span.first_j, j0);
+  s.width = most(end_i, i1) - s.first_i, s.height = most(end_j, j1) - s.first_j;
+  return s;
+}
+
+std::vector<std::uint32_t> moved_tables(const std::vector<std::uint32_t>& table, const TileSpan& from,
+                                        const TileSpan& to, std::size_t particles) {
+  std::vector<std::uint32_t> out(particles * to.size(), kNoTile);
+  const std::ptrdiff_t di = from.first_i - to.first_i, dj = from.first_j - to.first_j;
+  for (std::size_t p = 0; p < particles; ++p)
+    for (std::int32_t j = 0; j < from.height; ++j)
+      std::copy_n(
+          table.begin() + static_cast<std::ptrdiff_t>(p * from.size()) + std::ptrdiff_t{j} * from.width,
+          from.width, out.begin() + static_cast<std::ptrdiff_t>(p * to.size()) + (j + dj) * to.width + di);
+  return out;
+}
+
+SlamCells gather_cells(const TileSpan& span, const std::uint32_t* table,
+                       const std::function<void(std::uint32_t, Tile&)>& read) {
+  SlamCells out;
+  out.first_i = span.first_i * kTileCells, out.first_j = span.first_j * kTileCells;
+  out.width = span.width * kTileCells, out.height = span.height * kTileCells;
+  out.cell.assign(static_cast<std::size_t>(out.width) * static_cast<std::size_t>(out.height), 0);
+  Tile tile;
+  for (std::size_t k = 0; k < span.size(); ++k) {
+    if (table[k] == kNoTile) continue;
+    read(table[k], tile);
+    const std::size_t width = static_cast<std::size_t>(span.width);
+    const std::size_t first = k / width * kTileCells * width * kTileCells + k % width * kTileCells;
+    for (std::size_t j = 0; j < kTileCells; ++j)
+      std::copy_n(tile.cell + j * kTileCells, kTileCells, out.cell.data() + first + j * width * kTileCells);
+  }
+  return out;
+}
+
+#if PARLOC_WITH_CUDA
+std::unique_ptr<SlamBackend> make_slam_backend(BackendChoice choice, const SlamBackendConfig& config,
+                                               std::string& why) {
+  const bool cuda =
+      choice == BackendChoice::cuda || (choice == BackendChoice::automatic && cuda_device_count() > 0);
+  why = choice != BackendChoice::automatic
+            ? (cuda ? "cuda, as asked" : "cpu, as asked")
+            : (cuda ? "cuda: a device is there" : "cpu: no CUDA device answers");
+  return cuda ? make_cuda_slam_backend(config) : make_cpu_slam_backend(config);
+}
+#else
+std::unique_ptr<SlamBackend> make_slam_backend(BackendChoice choice, const SlamBackendConfig& config,
+                                               std::string& why) {
+  if (choice == BackendChoice::cuda)
+    throw Error(ErrorKind::backend,
+                "backend cuda is not in this build: configure with PARLOC_CUDA=ON and a CUDA toolkit, or use "
+                "--backend cpu");
+  why = choice == BackendChoice::cpu ? "cpu, as asked" : "cpu: this build has no CUDA backend";
+  return make_cpu_slam_backend(config);
+}
+#endif
+
+}  // namespace parloc

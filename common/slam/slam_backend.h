@@ -1,0 +1,72 @@
+// A backend of grid SLAM owns particles, tables and tiles in its memory and runs the stages on them.
+#pragma once
+
+#include <functional>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "common/filter/backend.h"
+#include "common/slam/slam_stages.h"
+
+namespace parloc {
+
+struct SlamBackendConfig {
+  SlamConfig slam;
+  int threads = 0;  ///< CPU: 0 is all cores.
+  int device = 0;   ///< CUDA: index of the device.
+};
+
+/// What a step leaves, by slot.
+struct SlamStep {
+  std::vector<float> x, y, theta;       ///< After resampling, map frame.
+  std::vector<float> likelihood;        ///< Sum of log-weights over the whole way here.
+  std::vector<std::uint32_t> ancestor;  ///< Slot before resampling.
+  StepState state;
+  std::size_t tiles = 0;        ///< In use by all particles.
+  std::size_t table_bytes = 0;  ///< Of all tables.
+};
+
+/// One particle's map in host memory: the cells of a rectangle.
+struct SlamCells {
+  std::int32_t first_i = 0, first_j = 0, width = 0, height = 0;  ///< [cells]
+  std::vector<CellWord> cell;                                    ///< Row-major.
+};
+
+class SlamBackend {
+ public:
+  virtual ~SlamBackend() = default;
+  virtual std::string name() const = 0;
+  /// All particles at the origin with empty maps.
+  virtual void start() = 0;
+  /// Moves all particles by odometry, takes the scan in, resamples, and writes the scan into their maps.
+  virtual const SlamStep& step(const MotionStep& motion, RandomKey key, const BeamTable& scan) = 0;
+  virtual SlamCells map_of(std::size_t particle) const = 0;
+};
+
+/// Rules of a configuration; the scan's and the step's part is left open.
+ProposeRules bind_propose_rules(const SlamConfig& config);
+DrawRules bind_draw_rules(const SlamConfig& config);
+/// The part of one step; `rules.motion` and `rules.key` are given. `empty`: no map has a cell yet.
+void bind_scan(ProposeRules& rules, const BeamTable& scan, bool empty);
+/// values[j] of slot j's ancestor.
+void inherit(std::vector<float>& values, const std::vector<std::uint32_t>& ancestor);
+/// A span that holds `span` and everything within `reach_m` of the poses, with room to spare if it must grow.
+TileSpan grown_span(const TileSpan& span, const std::vector<float>& x, const std::vector<float>& y,
+                    double reach_m, double resolution_m);
+/// What of the tables' places in one span they have in another.
+std::vector<std::uint32_t> moved_tables(const std::vector<std::uint32_t>& table, const TileSpan& from,
+                                        const TileSpan& to, std::size_t particles);
+
+/// The cells that a table names; read(id, tile) fetches a tile.
+SlamCells gather_cells(const TileSpan& span, const std::uint32_t* table,
+                       const std::function<void(std::uint32_t, Tile&)>& read);
+
+/// Defined in cpu/slam_backend.cpp and cuda/slam_backend.cu. Throw as make_cpu_backend and make_cuda_backend.
+std::unique_ptr<SlamBackend> make_cpu_slam_backend(const SlamBackendConfig& config);
+std::unique_ptr<SlamBackend> make_cuda_slam_backend(const SlamBackendConfig& config);
+/// As make_backend.
+std::unique_ptr<SlamBackend> make_slam_backend(BackendChoice choice, const SlamBackendConfig& config,
+                                               std::string& why);
+
+}  // namespace parloc

@@ -1,0 +1,43 @@
+// Settings of grid SLAM (SPEC 9).
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+
+namespace parloc {
+
+/// Of a scan: so many fit a cell's counters (common/slam/cell.h).
+constexpr std::size_t kMostSlamBeams = 1024;
+
+/// Where a particle's next pose comes from (SPEC 9.3).
+enum class SlamProposal {
+  motion,      ///< Drawn from the odometry alone.
+  scan_match,  ///< Drawn from the odometry, then the best fit near it (what GMapping does).
+  gaussian,    ///< Drawn from a Gaussian around the best fit, by scan and odometry (Grisetti et al. 2007).
+};
+
+struct SlamConfig {
+  std::int64_t particles = 30;
+  SlamProposal proposal = SlamProposal::scan_match;
+  int max_beams = 180;       ///< As scan.max_beams, which this filter does not read; at most kMostSlamBeams.
+  double resolution = 0.05;  ///< Cell size [m].
+  double usable_range = 30.0;         ///< Beams are cut here: farther ends are not matched or drawn [m].
+  double update_min_d = 0.25;         ///< Take a scan in after this much translation [m] ...
+  double update_min_a = 0.25;         ///< ... or this much rotation [rad].
+  double resample_threshold = 0.5;    ///< Resample when N_eff < threshold * N; 1 or more: every scan.
+  double beta_weight = 0.005;         ///< Exponent of a scan's likelihood in the weights.
+  double beta_proposal = 1.0;         ///< ... in the Gaussian proposal.
+  double step_xy = 0.05;              ///< First step of the scan matcher [m] ...
+  double step_theta = 0.05;           ///< ... [rad]
+  int iterations = 7;                 ///< Times that it halves its steps.
+  double sigma_score = 0.01;          ///< Of the matcher's score: exp(-d^2 / sigma) [m^2].
+  double sigma_likelihood = 0.075;    ///< Of a beam's likelihood: -d^2 / sigma [m^2].
+  double min_score = 0.1;             ///< Score per beam below which matching has failed.
+  double box_xy = 0.06;               ///< Half the box of the Gaussian proposal [m] ...
+  double box_theta = 0.04;            ///< ... [rad]
+  double motion_floor_xy = 0.01;      ///< Motion noise besides, whatever the motion [m] ...
+  double motion_floor_theta = 0.003;  ///< ... [rad]
+  double occupied_above = 0.25;       ///< Share of hits from which a cell of the written map is a wall.
+};
+
+}  // namespace parloc

@@ -1,0 +1,41 @@
+#include <cstring>
+
+#include "cpu/slam_stages.h"
+
+namespace parloc::cpu {
+
+void assign_tiles(const std::uint8_t* touched, std::size_t particles, const SlamMaps& maps, TileStore& store,
+                  std::vector<NewTile>& fresh, Workers& workers) {
+  const std::size_t count = particles * maps.span.size();
+  fresh.clear();
+  std::vector<std::size_t> places;
+  for (std::size_t k = 0; k < count; ++k) {
+    if (touched[k] == 0) continue;
+    const std::uint32_t id = maps.table[k];
+    if (id != kNoTile && store.refs()[id] == 1) continue;
+    fresh.push_back({0, id});
+    places.push_back(k);
+  }
+  store.make_room(fresh.size());
+  std::uint32_t* refs = store.refs();
+  std::uint32_t next = 1;
+  std::size_t freed = 0;
+  for (NewTile& tile : fresh) {
+    while (refs[next] != 0) ++next;
+    tile.id = next++;
+  }
+  for (std::size_t k = 0; k < fresh.size(); ++k) {
+    refs[fresh[k].id] = 1;
+    maps.table[places[k]] = fresh[k].id;
+  }
+  for (const NewTile& tile : fresh)
+    if (tile.from != kNoTile) freed += --refs[tile.from] == 0 ? 1 : 0;
+  store.set_used(store.used() + fresh.size() - freed);
+  const TilePool pool = store.pool();
+  parallel_blocks(fresh.size(), workers.threads, 8, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t k = begin; k < end; ++k)
+      std::memcpy(&pool.at(fresh[k].id), &pool.at(fresh[k].from), sizeof(Tile));
+  });
+}
+
+}  // namespace parloc::cpu

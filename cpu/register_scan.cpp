@@ -1,0 +1,34 @@
+#include "common/slam/draw.h"
+#include "cpu/slam_stages.h"
+
+namespace parloc::cpu {
+namespace {
+
+struct PlainAdd {
+  PARLOC_HD void operator()(CellWord* at, CellWord more) const { *at += more; }
+};
+
+}  // namespace
+
+void register_scan(const DrawRules& rules, const MatchRules& match, const Beams& beams, const SlamMaps& maps,
+                   const Particles& p, const std::uint8_t* touched, Workers& workers) {
+  const std::size_t size = maps.span.size();
+  const auto loop = [&](std::size_t begin, std::size_t end) PARLOC_SIMD_LOOP {
+    for (std::size_t i = begin; i < end; ++i) {
+      const TileMap map = maps.of(i);
+      const MatchPose pose = match_pose(slam_pose(p, i), match);
+      for (std::size_t m = 0; m < beams.hits; ++m) {
+        const DrawnBeam b = drawn_beam(beams, m, pose, rules);
+        walk_beam(b, DrawCell<PlainAdd>{&b, map, {}});
+      }
+      for (std::size_t k = 0; k < size; ++k) {
+        if (touched[i * size + k] == 0) continue;
+        Tile& tile = map.pool.at(map.table[k]);
+        for (std::int32_t j = 0; j < kTileCells; ++j) tidy_row(tile, j);
+      }
+    }
+  };
+  parallel_blocks(p.count(), workers.threads, 1, loop);
+}
+
+}  // namespace parloc::cpu

@@ -1,0 +1,75 @@
+#include "common/math/atomics.h"
+#include "cuda/slam_stages.h"
+
+namespace parloc::PARLOC_CUDA_NAMESPACE {
+namespace {
+
+constexpr unsigned kLanes = 32;  // a warp adds up the beams of one pose
+
+/// A block per particle. Its first thread decides which poses are looked at next; warps take one each.
+struct Propose {
+  struct Shared {
+    unsigned char proposer[sizeof(Proposer)];
+    MatchPose pose[Proposer::kMostPoses];
+    std::uint32_t sum[Proposer::kMostPoses];  ///< Two's complement, so that sums of either sign wrap alike.
+    double log[Proposer::kMostPoses];
+    int wanted;
+    bool score;
+  };
+  ProposeRules rules;
+  Beams beams;
+  SlamMaps maps;
+  Particles p;
+  float* likelihood;
+
+  PARLOC_HD int phases() const { return 2 + 2 * Proposer::kMostRounds; }
+  PARLOC_HD void operator()(const Thread& me, int phase, Shared& s) const {
+    const std::size_t i = me.block;
+    if (i >= p.count()) return;
+    if (phase % 2 == 1) return sum_beams(me, maps.of(i), s);
+    if (me.thread > 0 || (phase > 0 && s.wanted == 0)) return;
+    Proposer& proposer = *reinterpret_cast<Proposer*>(s.proposer);
+    if (phase == 0) {
+      proposer = Proposer{};
+      proposer.begin(slam_pose(p, i), static_cast<std::uint32_t>(i), rules);
+    } else {
+      proposer.take(reinterpret_cast<const std::int32_t*>(s.sum), s.log, rules);
+    }
+    ask(proposer, s);
+    if (s.wanted == 0) put(proposer, i);
+  }
+
+ private:
+  PARLOC_HD void ask(const Proposer& proposer, Shared& s) const {
+    s.wanted = proposer.wanted();
+    s.score = proposer.ask() == Proposer::Ask::score;
+    for (int k = 0; k < s.wanted; ++k) {
+      s.pose[k] = match_pose(proposer.candidate(k, rules), rules.match);
+      s.sum[k] = 0;
+    }
+  }
+  PARLOC_HD void sum_beams(const Thread& me, const TileMap& map, Shared& s) const {
+    for (unsigned k = me.thread / kLanes; k < static_cast<unsigned>(s.wanted); k += kThreads / kLanes) {
+      std::int32_t sum = 0;
+      for (std::size_t m = me.thread % kLanes; m < beams.hits; m += kLanes)
+        sum += s.score ? match_term(map, beams, m, s.pose[k], rules.match, ScoreTerm{})
+                       : match_term(map, beams, m, s.pose[k], rules.match, LikelihoodTerm{});
+      atomic_add(&s.sum[k], static_cast<std::uint32_t>(sum));
+    }
+  }
+  PARLOC_HD void put(const Proposer& proposer, std::size_t i) const {
+    p.x[i] = proposer.pose().x, p.y[i] = proposer.pose().y, p.theta[i] = proposer.pose().theta;
+    p.log_weight[i] += proposer.log_weight();
+    likelihood[i] += proposer.log_weight();
+  }
+};
+
+}  // namespace
+
+void propose(const ProposeRules& rules, const Beams& beams, const SlamMaps& maps, const Particles& particles,
+             float* likelihood, Stream stream) {
+  launch(Propose{rules, beams, maps, particles, likelihood}, static_cast<unsigned>(particles.capacity),
+         stream);
+}
+
+}  // namespace parloc::PARLOC_CUDA_NAMESPACE

@@ -1,0 +1,204 @@
+// Grid SLAM: the kernel bodies run on the host, the OpenMP loops at several thread counts and instruction
+// sets, and a GPU where there is one, all from the same input, must agree to the bit: poses, weights,
+// ancestors and maps.
+#include <gtest/gtest.h>
+
+#include <ostream>
+
+#include "common/eval/simulator.h"
+#include "common/slam/slam_backend.h"
+#include "tests/stage/room_of_blocks.h"
+#include "tests/stage/same_bits.h"
+#include "tests/unit/instruction_sets.h"
+#include "tests/unit/without_gpu.h"
+
+namespace parloc {
+namespace cuda_on_host {
+std::unique_ptr<SlamBackend> make_slam_backend_on_host(const SlamBackendConfig& config);
+}
+namespace {
+
+/// From a sensor beside the robot's centre; every seventh beam returns nothing.
+Scan scan_from(const GridMap& map, const Pose& pose, std::size_t beams) {
+  Scan s;
+  s.T_base_sensor = {0.1, -0.05, 0.2};
+  s.angle_min_rad = -2.0;
+  s.angle_step_rad = 4.0 / static_cast<double>(beams);
+  s.range_max_m = 6.0;
+  for (std::size_t i = 0; i < beams; ++i) {
+    const Pose ray = compose(compose(pose, s.T_base_sensor),
+                             {0, 0, s.angle_min_rad + static_cast<double>(i) * s.angle_step_rad});
+    const double range_m = cast_simulated_ray(map, ray.x_m, ray.y_m, ray.theta_rad, 6.0).range_m;
+    s.ranges_m.push_back(i % 7 == 3 ? 9.0f : static_cast<float>(range_m));
+  }
+  return s;
+}
+
+struct Trace {
+  std::vector<SlamStep> steps;
+  std::vector<SlamCells> maps;  ///< Of the first and the last particle, at the end.
+  std::size_t resampled = 0;
+};
+
+constexpr std::uint32_t kSteps = 12;
+
+/// Drives 3 m through the room.
+Trace run(SlamBackend& backend, const SlamBackendConfig& config) {
+  const GridMap map = test::room_of_blocks(test::rows_with_blocks_and_wall());
+  Pose truth = compose(map.T_map_grid, {0.8, 1.5, 0.1});
+  Trace t;
+  BeamTable beams;
+  BeamCounts counts;
+  ScanConfig scan_config;
+  for (std::uint32_t step = 0; step < kSteps; ++step) {
+    scan_config.max_beams = step == 3 ? 200 : 90 + 20 * static_cast<int>(step % 3);
+    const float turn_rad = step % 4 == 2 ? 0.3f : -0.1f;
+    const bool moves = step > 0;
+    const MotionStep motion{moves ? turn_rad : 0.0f, moves ? 0.22f : 0.0f, 0.0f, 0.05f, 0.03f, 0.05f};
+    if (moves) truth = compose(compose(truth, {0, 0, turn_rad}), {0.25, 0, 0});
+    select_beams(scan_from(map, truth, 220 - step), scan_config, SensorConfig{}, config.slam.resolution,
+                 beams, counts);
+    t.steps.push_back(backend.step(motion, {99, step}, beams));
+    t.resampled += t.steps.back().state.resample;
+  }
+  for (const std::int64_t k : {std::int64_t{0}, config.slam.particles - 1})
+    t.maps.push_back(backend.map_of(static_cast<std::size_t>(k)));
+  return t;
+}
+
+void expect_same(const Trace& a, const Trace& b) {
+  ASSERT_EQ(a.steps.size(), b.steps.size());
+  for (std::size_t k = 0; k < a.steps.size(); ++k) {
+    SCOPED_TRACE("step " + std::to_string(k));
+    const SlamStep &x = a.steps[k], &y = b.steps[k];
+    EXPECT_TRUE(test::same_bits(x.x, y.x));
+    EXPECT_TRUE(test::same_bits(x.y, y.y));
+    EXPECT_TRUE(test::same_bits(x.theta, y.theta));
+    EXPECT_TRUE(test::same_bits(x.likelihood, y.likelihood));
+    EXPECT_TRUE(test::same_bits(x.ancestor, y.ancestor));
+    EXPECT_EQ(x.state.n_eff, y.state.n_eff);
+    EXPECT_EQ(x.tiles, y.tiles);
+  }
+  for (std::size_t k = 0; k < a.maps.size(); ++k) {
+    SCOPED_TRACE("map " + std::to_string(k));
+    EXPECT_EQ(a.maps[k].first_i, b.maps[k].first_i);
+    EXPECT_EQ(a.maps[k].width, b.maps[k].width);
+    EXPECT_TRUE(test::same_bits(a.maps[k].cell, b.maps[k].cell));
+  }
+}
+
+/// Anything in the tile whose first cell this is.
+bool has_visits(const SlamCells& map, std::int32_t i0, std::int32_t j0) {
+  for (std::int32_t j = j0; j < j0 + kTileCells; ++j)
+    for (std::int32_t i = i0; i < i0 + kTileCells; ++i)
+      if (map.cell[static_cast<std::size_t>(j) * static_cast<std::size_t>(map.width) +
+                   static_cast<std::size_t>(i)] != 0)
+        return true;
+  return false;
+}
+
+class SlamBackends : public testing::TestWithParam<SlamProposal> {
+ protected:
+  SlamBackendConfig config(std::int64_t particles, int threads) const {
+    SlamBackendConfig c;
+    c.slam.particles = particles;
+    c.slam.proposal = GetParam();
+    c.slam.usable_range = 4.0;  // some beams are cut
+    c.slam.beta_weight = 0.5;   // so that it resamples
+    c.threads = threads;
+    return c;
+  }
+  Trace cpu(std::int64_t particles, int threads) const {
+    return run(*make_cpu_slam_backend(config(particles, threads)), config(particles, threads));
+  }
+};
+
+TEST_P(SlamBackends, KernelBodiesOnTheHostEqualTheOpenMpTwin) {
+  for (const std::int64_t n : {1, 7, 40}) {
+    SCOPED_TRACE(n);
+    const auto kernels = cuda_on_host::make_slam_backend_on_host(config(n, 1));
+    expect_same(cpu(n, 1), run(*kernels, config(n, 1)));
+  }
+}
+
+TEST_P(SlamBackends, ThreadsDoNotMatter) {
+  const Trace one = cpu(33, 1);
+  expect_same(one, cpu(33, 2));
+  expect_same(one, cpu(33, 5));
+}
+
+TEST_P(SlamBackends, InstructionSetDoesNotMatter) {
+  const Trace best = cpu(12, 2);
+  for (const cpu::Simd level : test::instruction_sets()) {
+    const test::SimdLimit limit(level);
+    expect_same(best, cpu(12, 2));
+  }
+}
+
+// Bits that agree say nothing if nothing happened.
+TEST_P(SlamBackends, ParticlesDifferAndAreResampled) {
+  const Trace t = cpu(40, 1);
+  EXPECT_GT(t.resampled, 0u);
+  EXPECT_LT(t.resampled, kSteps);
+  EXPECT_NE(t.steps.back().x[0], t.steps.back().x[39]);
+  EXPECT_FALSE(test::same_bits(t.maps[0].cell, t.maps[1].cell));
+}
+
+// In a long corridor, of which a scan sees little: what particles inherited they share.
+TEST_P(SlamBackends, ParticlesShareTiles) {
+  SlamBackendConfig near = config(40, 1);
+  near.slam.usable_range = 1.5;
+  near.slam.resample_threshold = 1.0;  // every step
+  std::vector<std::string> rows(40, std::string(600, '.'));
+  rows.front() = rows.back() = std::string(600, '#');
+  for (std::size_t i = 0; i < 600; ++i)  // posts on both walls, without which a scan says nothing of the way
+    if (i % 16 < 3 || i % 23 < 2) rows[1][i] = rows[2][i] = rows[37][i] = rows[38][i] = '#';
+  const GridMap corridor = grid_from_text(rows, 0.05);
+  const auto backend = make_cpu_slam_backend(near);
+  BeamTable beams;
+  BeamCounts counts;
+  std::size_t tiles_in_use = 0;
+  for (std::uint32_t step = 0; step < 40; ++step) {
+    select_beams(scan_from(corridor, {2.0 + 0.6 * step, 1.0, 0.0}, 90), ScanConfig{}, SensorConfig{}, 0.05,
+                 beams, counts);
+    const float trans_m = step > 0 ? 0.6f : 0.0f;
+    tiles_in_use = backend->step({0.0f, trans_m, 0.0f, 0.01f, 0.02f, 0.01f}, {5, step}, beams).tiles - 1;
+  }
+  const SlamCells map = backend->map_of(0);
+  std::size_t tiles = 0;
+  for (std::int32_t j = 0; j < map.height; j += kTileCells)
+    for (std::int32_t i = 0; i < map.width; i += kTileCells) tiles += has_visits(map, i, j) ? 1 : 0;
+  EXPECT_GE(tiles, 30u);
+  EXPECT_LT(tiles_in_use, 40 * tiles / 2);
+}
+
+TEST_P(SlamBackends, StartsAnew) {
+  const auto backend = make_cpu_slam_backend(config(9, 1));
+  const Trace first = run(*backend, config(9, 1));
+  backend->start();
+  expect_same(first, run(*backend, config(9, 1)));
+}
+
+TEST_P(SlamBackends, GpuEqualsCpu) {
+  std::unique_ptr<SlamBackend> gpu;
+  try {
+    std::string why;
+    gpu = make_slam_backend(BackendChoice::cuda, config(40, 1), why);
+  } catch (const Error& e) {
+    PARLOC_WITHOUT_GPU(e);
+  }
+  expect_same(cpu(40, 2), run(*gpu, config(40, 1)));
+}
+
+std::string name_of(const testing::TestParamInfo<SlamProposal>& tested) {
+  return tested.param == SlamProposal::motion       ? "motion"
+         : tested.param == SlamProposal::scan_match ? "scan_match"
+                                                    : "gaussian";
+}
+INSTANTIATE_TEST_SUITE_P(All, SlamBackends,
+                         testing::Values(SlamProposal::motion, SlamProposal::scan_match,
+                                         SlamProposal::gaussian),
+                         name_of);
+
+}  // namespace
+}  // namespace parloc

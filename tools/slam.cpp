@@ -1,0 +1,137 @@
+// parloc slam: makes a map from a log.
+#include <fmt/format.h>
+
+#include <CLI/CLI.hpp>
+#include <cstdio>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "common/error.h"
+#include "common/filter/config_fields.h"
+#include "common/io/config.h"
+#include "common/io/output_file.h"
+#include "common/io/report.h"
+#include "common/map/map_reader.h"
+#include "tools/commands.h"
+#include "tools/interrupt.h"
+#include "tools/output_folder.h"
+#include "tools/parse_number.h"
+#include "tools/progress.h"
+#include "tools/slam/results.h"
+#include "tools/text_option.h"
+
+namespace parloc::tools {
+namespace {
+
+/// The command line; what was not given is empty.
+struct SlamOptions {
+  std::string log, config, relations, particles, proposal, backend, seed, threads;
+  std::string out = "parloc_map";
+  bool json = false, quiet = false;
+};
+
+void declare(CLI::App& app, SlamOptions& o) {
+  add_text_option(app, "--log", o.log, "LOG", "CARMEN log, plain or gzip")->required();
+  add_text_option(app, "--config", o.config, "C.yaml", "Settings over the defaults");
+  add_text_option(app, "--relations", o.relations, "R.txt", "True relations between scans");
+  add_text_option(app, "--out", o.out, "DIR", "Folder for the results (parloc_map)");
+  add_text_option(app, "--particles", o.particles, "N", "Each with a map of its own, 1 to 65535");
+  add_text_option(app, "--proposal", o.proposal, "WHICH", "motion, scan_match or gaussian");
+  add_text_option(app, "--backend", o.backend, "WHICH", "auto, cpu or cuda");
+  add_text_option(app, "--seed", o.seed, "S", "Same seed, same map");
+  add_text_option(app, "--threads", o.threads, "K", "CPU threads; 0: all cores");
+  app.add_flag("--json", o.json, "Print the metrics alone, as JSON");
+  app.add_flag("--quiet", o.quiet, "No progress and no summary");
+  app.get_help_ptr()->group("");  // whoever reads the list knows it
+}
+
+template <class Enum, std::size_t n>
+Enum choice_of(const char* option, const std::string& text, const std::array<Choice<Enum>, n>& choices) {
+  std::string names;
+  for (const auto& choice : choices) {
+    if (text == choice.name) return choice.value;
+    names += fmt::format("{}{}", names.empty() ? "" : ", ", choice.name);
+  }
+  throw Error(ErrorKind::usage, fmt::format("{}: expected one of {}, got '{}'", option, names, text));
+}
+
+/// The configuration file with the command line on top.
+FilterConfig effective_config(const SlamOptions& o) {
+  FilterConfig config = o.config.empty() ? FilterConfig{} : read_config(o.config);
+  if (!o.particles.empty())
+    config.slam.particles = parse_whole_number<std::int64_t>("--particles", o.particles);
+  if (!o.seed.empty()) config.seed = parse_whole_number<std::uint64_t>("--seed", o.seed);
+  if (!o.threads.empty()) config.threads = parse_whole_number<int>("--threads", o.threads);
+  if (!o.proposal.empty()) config.slam.proposal = choice_of("--proposal", o.proposal, kSlamProposals);
+  if (!o.backend.empty()) config.backend = choice_of("--backend", o.backend, kBackends);
+  try {
+    validate(config);
+  } catch (const Error& e) {  // a file is sound by now, so it is the command line
+    throw Error(ErrorKind::usage, e.what());
+  }
+  return config;
+}
+
+constexpr const char* kMap = "map.yaml";
+constexpr const char* kImage = "map.pgm";
+constexpr const char* kTrajectory = "trajectory.tum";
+constexpr const char* kMetrics = "metrics.json";
+constexpr const char* kReport = "report.html";
+constexpr const char* kPicture = "picture.png";
+
+void write_results(OutputFolder& out, const slam::SlamResults& results) {
+  const RunReport report = slam::report_of(results);
+  write_map(out.staged(kMap), results.mapping.map);
+  write_tum(out.staged(kTrajectory), results.mapping.trajectory);
+  replace_file(out.staged(kMetrics), slam::metrics_json(results));
+  write_report(out.staged(kReport), report);
+  write_picture(out.staged(kPicture), report);
+  out.publish();
+}
+
+int run(const SlamOptions& o, const std::string& typed) {
+  // Everything that can be wrong is looked at before the long work.
+  slam::MapRequest request;
+  request.config = effective_config(o);
+  request.log_name = o.log;
+  const std::unique_ptr<LogReader> log = open_carmen_log(o.log);
+  const std::vector<Relation> relations =
+      o.relations.empty() ? std::vector<Relation>{} : read_relations(o.relations);
+  OutputFolder out(o.out, {kMap, kImage, kTrajectory, kMetrics, kReport, kPicture});
+
+  slam::SlamResults results{o.log, o.relations, typed, {}, {}};
+  catch_interrupts();
+  {
+    Progress progress(Progress::style_here(o.quiet));
+    request.progress = [&](double fraction, std::size_t scans) {
+      progress.update(fraction, fmt::format("{} scans", scans));
+    };
+    request.stop = interrupted;
+    results.mapping = slam::map_log(*log, request);
+  }
+  if (results.mapping.scans == 0) {
+    fmt::print(stderr, "parloc: interrupted before the first scan, nothing is written\n");
+    return kExitInterrupted;
+  }
+  if (!o.relations.empty()) results.relations = compare_relations(results.mapping.trajectory, relations);
+  write_results(out, results);
+  if (o.json) {
+    std::fputs(slam::metrics_json(results).c_str(), stdout);
+  } else if (!o.quiet) {
+    fmt::print("{}{:<16}{} (beside it: {}, {}, {}, {})\n", slam::summary_text(results), "map",
+               out.final_path(kMap), kReport, kPicture, kTrajectory, kMetrics);
+  }
+  return results.mapping.interrupted ? kExitInterrupted : 0;
+}
+
+}  // namespace
+
+Command add_slam_command(CLI::App& program, const std::string& typed) {
+  CLI::App* app = program.add_subcommand("slam", "Make a map from a log");
+  const auto options = std::make_shared<SlamOptions>();
+  declare(*app, *options);
+  return {app, [options, typed] { return run(*options, typed); }};
+}
+
+}  // namespace parloc::tools

@@ -1,0 +1,67 @@
+#include "tools/slam/map_log.h"
+
+#include <algorithm>
+#include <chrono>
+#include <limits>
+
+#include "common/error.h"
+#include "tools/scan_stream.h"
+
+namespace parloc::slam {
+namespace {
+
+using Clock = std::chrono::steady_clock;
+
+double seconds_since(Clock::time_point start) {
+  return std::chrono::duration<double>(Clock::now() - start).count();
+}
+
+void finish(const GridSlam& slam, Mapping& m) {
+  m.map = slam.map();
+  m.trajectory = slam.trajectory();
+  m.records = slam.records();
+  m.distinct = slam.distinct_ancestors();
+  m.memory = slam.memory();
+  m.lidars = slam.lidars_used();
+  m.config = slam.config();
+  m.backend = slam.backend_name();
+  m.digest = slam.digest();
+}
+
+}  // namespace
+
+Mapping map_log(LogReader& log, const MapRequest& request) {
+  tools::ScanStream scans(log, request.config, [](std::size_t) {});
+  LogRecord record;
+  if (!scans.next(record)) throw tools::no_scan(request.log_name, log.warnings());
+  GridSlam slam(request.config);
+  Mapping m;
+  const Clock::time_point begun = Clock::now();
+  double earliest_s = record.stamp_s, latest_s = record.stamp_s;
+  const Pose T_odometry_map = record.odometry;
+  bool more = true;
+  while (more && !(request.stop && request.stop())) {
+    scans.pass_odometry(
+        [&](const StampedPose& reading) { slam.add_odometry(reading.stamp_s, reading.pose); });
+    const Clock::time_point step_begun = Clock::now();
+    if (slam.step(record.odometry, record.scan)) m.step_s.push_back(seconds_since(step_begun));
+    ++m.scans;
+    earliest_s = std::min(earliest_s, record.stamp_s), latest_s = std::max(latest_s, record.stamp_s);
+    m.odometry.push_back({record.stamp_s, relative(record.odometry, T_odometry_map)});
+    if (request.progress) request.progress(log.progress(), m.scans);
+    more = scans.next(record);
+  }
+  m.interrupted = more;
+  m.warnings = log.warnings();
+  m.log_s = latest_s - earliest_s;
+  if (m.scans == 0) return m;
+  if (slam.records().empty())
+    throw input_error(
+        request.log_name, 0,
+        "expected a scan with enough beams to map, found none in " + std::to_string(m.scans) + " scans");
+  finish(slam, m);
+  m.wall_s = seconds_since(begun);
+  return m;
+}
+
+}  // namespace parloc::slam

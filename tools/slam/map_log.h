@@ -1,0 +1,50 @@
+// Makes a map from a log: one step per scan, and everything that is worth knowing about it afterwards.
+#pragma once
+
+#include <cstddef>
+#include <functional>
+#include <string>
+#include <vector>
+
+#include "common/filter/config.h"
+#include "common/io/log.h"
+#include "common/io/trajectory.h"
+#include "common/map/grid_map.h"
+#include "common/model/beam_counts.h"
+#include "common/model/lidar.h"
+#include "common/slam/grid_slam.h"
+
+namespace parloc::slam {
+
+struct MapRequest {
+  FilterConfig config;
+  std::string log_name;                                              ///< For messages.
+  std::function<void(double fraction, std::size_t scans)> progress;  ///< After every scan; may be empty.
+  std::function<bool()> stop;  ///< Asked before every scan; may be empty. True ends the work early.
+};
+
+struct Mapping {
+  GridMap map;  ///< Of the most likely particle.
+  Trajectory
+      trajectory;       ///< Its way: one row per scan, in file order. Origin: where the first scan was taken.
+  Trajectory odometry;  ///< Dead reckoning from there.
+  std::vector<SlamRecord> records;    ///< One per scan that was taken in.
+  std::vector<std::size_t> distinct;  ///< Ancestors of the last particles, by such a scan.
+  std::vector<double> step_s;         ///< Wall time of each of them.
+  std::size_t scans = 0;              ///< Read from the log.
+  SlamMemory memory;
+  std::vector<LidarUse> lidars;
+  LogWarnings warnings;
+  FilterConfig config;
+  std::string backend, digest;
+  double wall_s = 0.0, log_s = 0.0;
+  bool interrupted = false;
+
+  double real_time_factor() const { return wall_s > 0.0 ? log_s / wall_s : 0.0; }
+};
+
+/// Deterministic but for the times. Throws Error{input} for a log without a scan that can be used;
+/// Error{config} and Error{backend} as GridSlam.
+Mapping map_log(LogReader& log, const MapRequest& request);
+
+}  // namespace parloc::slam
