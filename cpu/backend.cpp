@@ -15,17 +15,11 @@
 #include "common/map/wall_index.h"
 #include "cpu/distance_field.h"
 #include "cpu/likelihood_field.h"
+#include "cpu/poses.h"
 #include "cpu/stages.h"
 
 namespace parloc {
 namespace {
-
-/// Room for so many particles, of which the first `count` are there.
-struct Poses {
-  std::vector<float> x, y, theta;
-  std::uint32_t count;
-  explicit Poses(std::size_t n) : x(n), y(n), theta(n), count(static_cast<std::uint32_t>(n)) {}
-};
 
 /// 4 M cells, 100 x 100 m at 5 cm. By sector is worth it even out of the caches: 13 times on the office floor
 /// (25 MB).
@@ -176,7 +170,7 @@ class CpuBackend final : public Backend {
     return bind_rays(view(now_), map, bind_beams(beams), config_.sensor);
   }
   /// Log-weights stay in their slots, so that one array serves both buffers of poses.
-  Particles view(Poses& p) {
+  Particles view(cpu::Poses& p) {
     return {p.x.data(), p.y.data(), p.theta.data(), log_weight_.data(), &p.count, p.x.size()};
   }
   BeamVotes votes_view() { return {votes_.data(), votes_.data() + kMaxBeams, share_.data()}; }
@@ -199,7 +193,7 @@ class CpuBackend final : public Backend {
   std::vector<std::uint32_t> free_cells_;  // only where particles are injected
   std::vector<std::uint64_t> votes_ = std::vector<std::uint64_t>(2 * kMaxBeams);  // zero between the steps
   std::vector<float> share_ = std::vector<float>(kMaxBeams);
-  Poses now_, other_;
+  cpu::Poses now_, other_;
   std::vector<float> log_weight_;
   std::vector<std::uint64_t> weight_, cumulative_;
   std::vector<std::uint32_t> ancestor_;

@@ -8,16 +8,11 @@
 #include "common/map/blocking_cells.h"
 #include "cpu/distance_field.h"
 #include "cpu/flow_stages.h"
+#include "cpu/poses.h"
 #include "cpu/stages.h"
 
 namespace parloc {
 namespace {
-
-struct Poses {
-  std::vector<float> x, y, theta;
-  std::uint32_t count;
-  explicit Poses(std::size_t n) : x(n), y(n), theta(n), count(static_cast<std::uint32_t>(n)) {}
-};
 
 class CpuFlowBackend final : public FlowBackend {
  public:
@@ -89,7 +84,7 @@ class CpuFlowBackend final : public FlowBackend {
  private:
   bool weighs() const { return config_.method == FlowMethod::pfpf; }
   double total() const { return static_cast<double>(now_.count); }
-  Particles view(Poses& p) {
+  Particles view(cpu::Poses& p) {
     return {p.x.data(), p.y.data(), p.theta.data(), log_weight_.data(), &p.count, p.x.size()};
   }
   void update_gaussian(const MotionStep& motion) {
@@ -127,7 +122,7 @@ class CpuFlowBackend final : public FlowBackend {
   Field field_;
   cpu::PaddedScan scan_;
   cpu::BeamNotes notes_;
-  Poses now_, other_;  // the other one only for pfpf, and so what follows
+  cpu::Poses now_, other_;  // the other one only for pfpf, and so what follows
   std::vector<float> log_weight_;
   std::vector<std::uint64_t> weight_, cumulative_;
   std::vector<std::uint32_t> ancestor_;

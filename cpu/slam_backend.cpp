@@ -4,17 +4,12 @@
 #include <omp.h>
 
 #include "common/filter/bind.h"
+#include "cpu/poses.h"
 #include "cpu/slam_stages.h"
 #include "cpu/stages.h"
 
 namespace parloc {
 namespace {
-
-struct Poses {
-  std::vector<float> x, y, theta;
-  std::uint32_t count;
-  explicit Poses(std::size_t n) : x(n), y(n), theta(n), count(static_cast<std::uint32_t>(n)) {}
-};
 
 class CpuSlamBackend final : public SlamBackend {
  public:
@@ -40,7 +35,7 @@ class CpuSlamBackend final : public SlamBackend {
   }
 
   void start() override {
-    now_ = Poses(count_);
+    now_ = cpu::Poses(count_);
     std::fill(log_weight_.begin(), log_weight_.end(), 0.0f);
     store_ = cpu::TileStore();
     span_ = {};
@@ -73,7 +68,7 @@ class CpuSlamBackend final : public SlamBackend {
   }
 
  private:
-  Particles view(Poses& p) {
+  Particles view(cpu::Poses& p) {
     return {p.x.data(), p.y.data(), p.theta.data(), log_weight_.data(), &p.count, p.x.size()};
   }
   SlamMaps maps() { return {span_, table_.data(), store_.pool()}; }
@@ -108,7 +103,7 @@ class CpuSlamBackend final : public SlamBackend {
     inherit(last_.likelihood, last_.ancestor);
   }
   /// Tables that hold all that a scan at these poses can reach.
-  void cover(const Poses& poses) {
+  void cover(const cpu::Poses& poses) {
     const TileSpan span =
         grown_span(span_, poses.x, poses.y, config_.slam.usable_range, config_.slam.resolution);
     if (span.size() == span_.size()) return;
@@ -124,7 +119,7 @@ class CpuSlamBackend final : public SlamBackend {
   ResampleConfig resample_;
   ProposeRules propose_;
   DrawRules draw_;
-  Poses now_, other_;
+  cpu::Poses now_, other_;
   std::vector<float> log_weight_;
   std::vector<std::uint64_t> weight_, cumulative_;
   cpu::TileStore store_;

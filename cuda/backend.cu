@@ -10,23 +10,15 @@
 #include "common/map/blocking_cells.h"
 #include "common/map/skip_field.h"
 #include "common/map/wall_index.h"
+#include "cuda/device.h"
 #include "cuda/distance_field.h"
 #include "cuda/likelihood_field.h"
+#include "cuda/poses.h"
 #include "cuda/stages.h"
 
 namespace parloc {
 namespace PARLOC_CUDA_NAMESPACE {
 namespace {
-
-/// Room for so many particles; `live` says how many of them are there.
-struct Poses {
-  DeviceBuffer<float> x, y, theta;
-  DeviceBuffer<std::uint32_t> live;
-  explicit Poses(std::size_t n) {
-    for (auto* b : {&x, &y, &theta}) b->reserve(n);
-    live.reserve(1);
-  }
-};
 
 /// What has been asked for and not yet been started, as a sum; the stages run in this order.
 enum Stage : unsigned {
@@ -38,11 +30,6 @@ enum Stage : unsigned {
   kAdapt = 32,
   kResample = 64,
 };
-
-int selected(int device) {
-  select_device(device);
-  return device;
-}
 
 /// Stages are only noted when they are asked for; finish() starts them all, as one graph once the same step
 /// has been seen before.
@@ -385,15 +372,7 @@ std::vector<std::string> describe_cuda_devices() {
 }
 
 std::unique_ptr<Backend> make_cuda_backend(const BackendConfig& config) {
-  if (cuda_device_count() == 0)
-    throw Error(ErrorKind::backend,
-                "backend cuda: no CUDA device answers (no GPU, or no driver); use --backend cpu");
-  if (config.device >= cuda_device_count())
-    throw Error(ErrorKind::backend, "backend cuda: there is no device " + std::to_string(config.device) +
-                                        "; parloc devices lists " + std::to_string(cuda_device_count()));
-  cudaDeviceProp p{};
-  PARLOC_CHECK(cudaGetDeviceProperties(&p, config.device), "reading the device's properties");
-  return std::make_unique<cuda::CudaBackend>(config, p.name);
+  return std::make_unique<cuda::CudaBackend>(config, cuda::usable_device(config.device));
 }
 #endif
 

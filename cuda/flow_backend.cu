@@ -2,26 +2,14 @@
 
 #include "common/filter/bind.h"
 #include "common/map/blocking_cells.h"
+#include "cuda/device.h"
 #include "cuda/distance_field.h"
 #include "cuda/flow_stages.h"
+#include "cuda/poses.h"
 
 namespace parloc {
 namespace PARLOC_CUDA_NAMESPACE {
 namespace {
-
-struct Poses {
-  DeviceBuffer<float> x, y, theta;
-  DeviceBuffer<std::uint32_t> live;
-  explicit Poses(std::size_t n) {
-    for (auto* b : {&x, &y, &theta}) b->reserve(n);
-    live.reserve(1);
-  }
-};
-
-int selected(int device) {
-  select_device(device);
-  return device;
-}
 
 /// A step is one graph from its second time on: what differs from step to step is in input_.
 class CudaFlowBackend final : public FlowBackend {
@@ -207,15 +195,7 @@ std::unique_ptr<FlowBackend> make_flow_backend_on_host(const FlowBackendConfig& 
 
 #if defined(__CUDACC__)
 std::unique_ptr<FlowBackend> make_cuda_flow_backend(const FlowBackendConfig& config) {
-  if (cuda_device_count() == 0)
-    throw Error(ErrorKind::backend,
-                "backend cuda: no CUDA device answers (no GPU, or no driver); use --backend cpu");
-  if (config.device >= cuda_device_count())
-    throw Error(ErrorKind::backend, "backend cuda: there is no device " + std::to_string(config.device) +
-                                        "; parloc devices lists " + std::to_string(cuda_device_count()));
-  cudaDeviceProp p{};
-  PARLOC_CHECK(cudaGetDeviceProperties(&p, config.device), "reading the device's properties");
-  return std::make_unique<cuda::CudaFlowBackend>(config, p.name);
+  return std::make_unique<cuda::CudaFlowBackend>(config, cuda::usable_device(config.device));
 }
 #endif
 

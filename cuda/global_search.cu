@@ -2,6 +2,7 @@
 
 #include "common/filter/backend.h"
 #include "common/search/search_backend.h"
+#include "cuda/device.h"
 #include "cuda/launch.h"
 #include "cuda/memory.h"
 
@@ -161,11 +162,6 @@ struct Gather {
   }
 };
 
-int selected(int device) {
-  select_device(device);
-  return device;
-}
-
 class CudaSearch final : public SearchBackend {
  public:
   CudaSearch(const SearchMap& map, int device, std::string device_name)
@@ -261,16 +257,7 @@ std::unique_ptr<SearchBackend> make_search_on_host(const SearchMap& map) {
 
 #if defined(__CUDACC__)
 std::unique_ptr<SearchBackend> make_cuda_search(const SearchMap& map, int device) {
-  const int devices = cuda_device_count();
-  if (devices == 0)
-    throw Error(ErrorKind::backend,
-                "backend cuda: no CUDA device answers (no GPU, or no driver); use --backend cpu");
-  if (device < 0 || device >= devices)
-    throw Error(ErrorKind::backend, "backend cuda: there is no device " + std::to_string(device) +
-                                        "; parloc devices lists " + std::to_string(devices));
-  cudaDeviceProp p{};
-  PARLOC_CHECK(cudaGetDeviceProperties(&p, device), "reading the device's properties");
-  return std::make_unique<cuda::CudaSearch>(map, device, p.name);
+  return std::make_unique<cuda::CudaSearch>(map, device, cuda::usable_device(device));
 }
 #endif
 

@@ -3,25 +3,13 @@
 #include <algorithm>
 
 #include "common/filter/bind.h"
+#include "cuda/device.h"
+#include "cuda/poses.h"
 #include "cuda/slam_stages.h"
 
 namespace parloc {
 namespace PARLOC_CUDA_NAMESPACE {
 namespace {
-
-struct Poses {
-  DeviceBuffer<float> x, y, theta;
-  DeviceBuffer<std::uint32_t> live;
-  explicit Poses(std::size_t n) {
-    for (auto* b : {&x, &y, &theta}) b->reserve(n);
-    live.reserve(1);
-  }
-};
-
-int selected(int device) {
-  select_device(device);
-  return device;
-}
 
 /// The tiles that there must be room for are known in the middle of a step only, so a step waits for the
 /// device there.
@@ -207,15 +195,7 @@ std::unique_ptr<SlamBackend> make_slam_backend_on_host(const SlamBackendConfig& 
 
 #if defined(__CUDACC__)
 std::unique_ptr<SlamBackend> make_cuda_slam_backend(const SlamBackendConfig& config) {
-  if (cuda_device_count() == 0)
-    throw Error(ErrorKind::backend,
-                "backend cuda: no CUDA device answers (no GPU, or no driver); use --backend cpu");
-  if (config.device >= cuda_device_count())
-    throw Error(ErrorKind::backend, "backend cuda: there is no device " + std::to_string(config.device) +
-                                        "; parloc devices lists " + std::to_string(cuda_device_count()));
-  cudaDeviceProp p{};
-  PARLOC_CHECK(cudaGetDeviceProperties(&p, config.device), "reading the device's properties");
-  return std::make_unique<cuda::CudaSlamBackend>(config, p.name);
+  return std::make_unique<cuda::CudaSlamBackend>(config, cuda::usable_device(config.device));
 }
 #endif
 

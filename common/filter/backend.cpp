@@ -13,21 +13,13 @@ void check_upload(const ParticleSet& p, const BackendConfig& config) {
 }
 
 #if PARLOC_WITH_CUDA
-std::unique_ptr<Backend> make_backend(BackendChoice choice, const BackendConfig& config, std::string& why) {
-  if (choice == BackendChoice::cpu) {
-    why = "cpu, as asked";
-    return make_cpu_backend(config);
-  }
-  if (choice == BackendChoice::cuda) {
-    why = "cuda, as asked";
-    return make_cuda_backend(config);
-  }
-  if (cuda_device_count() == 0) {
-    why = "cpu: no CUDA device answers";
-    return make_cpu_backend(config);
-  }
-  why = "cuda: a device is there";
-  return make_cuda_backend(config);
+bool takes_cuda(BackendChoice choice, std::string& why) {
+  const bool cuda =
+      choice == BackendChoice::cuda || (choice == BackendChoice::automatic && cuda_device_count() > 0);
+  why = choice != BackendChoice::automatic
+            ? (cuda ? "cuda, as asked" : "cpu, as asked")
+            : (cuda ? "cuda: a device is there" : "cpu: no CUDA device answers");
+  return cuda;
 }
 
 std::vector<std::string> describe_devices() {
@@ -36,18 +28,25 @@ std::vector<std::string> describe_devices() {
   return lines;
 }
 #else
-std::unique_ptr<Backend> make_backend(BackendChoice choice, const BackendConfig& config, std::string& why) {
+bool takes_cuda(BackendChoice choice, std::string& why) {
   if (choice == BackendChoice::cuda)
     throw Error(ErrorKind::backend,
                 "backend cuda is not in this build: configure with PARLOC_CUDA=ON and a CUDA toolkit, or use "
                 "--backend cpu");
   why = choice == BackendChoice::cpu ? "cpu, as asked" : "cpu: this build has no CUDA backend";
-  return make_cpu_backend(config);
+  return false;
 }
 
 std::vector<std::string> describe_devices() {
   return {describe_cpu(), "cuda: not in this build (PARLOC_CUDA=OFF)"};
 }
 #endif
+
+std::unique_ptr<Backend> make_backend(BackendChoice choice, const BackendConfig& config, std::string& why) {
+  if (takes_cuda(choice, why)) {
+    if constexpr (PARLOC_WITH_CUDA != 0) return make_cuda_backend(config);
+  }
+  return make_cpu_backend(config);
+}
 
 }  // namespace parloc

@@ -76,6 +76,10 @@ class Backend {
   virtual std::vector<std::uint32_t> ancestors() const = 0;
 };
 
+/// Whether a choice means CUDA in this build on this machine; `why` says the reason. Throws Error{backend}
+/// for cuda in a build without it.
+bool takes_cuda(BackendChoice choice, std::string& why);
+
 /// Defined in cpu/backend.cpp and cuda/backend.cu. Throws Error{backend} if there is no usable device.
 std::unique_ptr<Backend> make_cpu_backend(const BackendConfig& config);
 std::unique_ptr<Backend> make_cuda_backend(const BackendConfig& config);

@@ -1,7 +1,5 @@
 #include "common/flow/flow_backend.h"
 
-#include "common/error.h"
-
 namespace parloc {
 
 FlowRules bind_flow_rules(const FlowConfig& c, FlowMethod method, double resolution_m) {
@@ -27,26 +25,12 @@ FlowRules bind_flow_rules(const FlowConfig& c, FlowMethod method, double resolut
   return r;
 }
 
-#if PARLOC_WITH_CUDA
 std::unique_ptr<FlowBackend> make_flow_backend(BackendChoice choice, const FlowBackendConfig& config,
                                                std::string& why) {
-  const bool cuda =
-      choice == BackendChoice::cuda || (choice == BackendChoice::automatic && cuda_device_count() > 0);
-  why = choice != BackendChoice::automatic
-            ? (cuda ? "cuda, as asked" : "cpu, as asked")
-            : (cuda ? "cuda: a device is there" : "cpu: no CUDA device answers");
-  return cuda ? make_cuda_flow_backend(config) : make_cpu_flow_backend(config);
-}
-#else
-std::unique_ptr<FlowBackend> make_flow_backend(BackendChoice choice, const FlowBackendConfig& config,
-                                               std::string& why) {
-  if (choice == BackendChoice::cuda)
-    throw Error(ErrorKind::backend,
-                "backend cuda is not in this build: configure with PARLOC_CUDA=ON and a CUDA toolkit, or use "
-                "--backend cpu");
-  why = choice == BackendChoice::cpu ? "cpu, as asked" : "cpu: this build has no CUDA backend";
+  if (takes_cuda(choice, why)) {
+    if constexpr (PARLOC_WITH_CUDA != 0) return make_cuda_flow_backend(config);
+  }
   return make_cpu_flow_backend(config);
 }
-#endif
 
 }  // namespace parloc

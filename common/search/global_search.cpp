@@ -20,20 +20,9 @@ void expect(bool good, const char* setting, const char* limits) {
 }
 
 std::unique_ptr<SearchBackend> choose_backend(const SearchMap& map, const SearchConfig& c, std::string& why) {
-#if PARLOC_WITH_CUDA
-  if (c.backend == BackendChoice::cuda ||
-      (c.backend == BackendChoice::automatic && cuda_device_count() > 0)) {
-    why = c.backend == BackendChoice::cuda ? "cuda, as asked" : "cuda: a device is there";
-    return make_cuda_search(map, c.device);
+  if (takes_cuda(c.backend, why)) {
+    if constexpr (PARLOC_WITH_CUDA != 0) return make_cuda_search(map, c.device);
   }
-  why = c.backend == BackendChoice::cpu ? "cpu, as asked" : "cpu: no CUDA device answers";
-#else
-  if (c.backend == BackendChoice::cuda)
-    throw Error(ErrorKind::backend,
-                "backend cuda is not in this build: configure with PARLOC_CUDA=ON and a CUDA toolkit, or use "
-                "--backend cpu");
-  why = c.backend == BackendChoice::cpu ? "cpu, as asked" : "cpu: this build has no CUDA backend";
-#endif
   return make_cpu_search(map, c.threads);
 }
 

@@ -3,8 +3,6 @@
 #include <algorithm>
 #include <cmath>
 
-#include "common/error.h"
-
 namespace parloc {
 
 ProposeRules bind_propose_rules(const SlamConfig& c) {
@@ -94,26 +92,12 @@ SlamCells gather_cells(const TileSpan& span, const std::uint32_t* table,
   return out;
 }
 
-#if PARLOC_WITH_CUDA
 std::unique_ptr<SlamBackend> make_slam_backend(BackendChoice choice, const SlamBackendConfig& config,
                                                std::string& why) {
-  const bool cuda =
-      choice == BackendChoice::cuda || (choice == BackendChoice::automatic && cuda_device_count() > 0);
-  why = choice != BackendChoice::automatic
-            ? (cuda ? "cuda, as asked" : "cpu, as asked")
-            : (cuda ? "cuda: a device is there" : "cpu: no CUDA device answers");
-  return cuda ? make_cuda_slam_backend(config) : make_cpu_slam_backend(config);
-}
-#else
-std::unique_ptr<SlamBackend> make_slam_backend(BackendChoice choice, const SlamBackendConfig& config,
-                                               std::string& why) {
-  if (choice == BackendChoice::cuda)
-    throw Error(ErrorKind::backend,
-                "backend cuda is not in this build: configure with PARLOC_CUDA=ON and a CUDA toolkit, or use "
-                "--backend cpu");
-  why = choice == BackendChoice::cpu ? "cpu, as asked" : "cpu: this build has no CUDA backend";
+  if (takes_cuda(choice, why)) {
+    if constexpr (PARLOC_WITH_CUDA != 0) return make_cuda_slam_backend(config);
+  }
   return make_cpu_slam_backend(config);
 }
-#endif
 
 }  // namespace parloc
