@@ -4,6 +4,7 @@
 #include <CLI/CLI.hpp>
 #include <cstdio>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -15,6 +16,7 @@
 #include "common/map/map_reader.h"
 #include "tools/commands.h"
 #include "tools/interrupt.h"
+#include "tools/live_picture.h"
 #include "tools/output_folder.h"
 #include "tools/parse_number.h"
 #include "tools/progress.h"
@@ -26,14 +28,15 @@ namespace {
 
 /// The command line; what was not given is empty.
 struct SlamOptions {
-  std::string log, config, relations, particles, proposal, backend, seed, threads;
+  std::string log, config, truth, relations, particles, proposal, backend, seed, threads;
   std::string out = "parloc_map";
-  bool json = false, quiet = false;
+  bool live = false, json = false, quiet = false;
 };
 
 void declare(CLI::App& app, SlamOptions& o) {
   add_text_option(app, "--log", o.log, "LOG", "CARMEN log, plain or gzip")->required();
   add_text_option(app, "--config", o.config, "C.yaml", "Settings over the defaults");
+  add_text_option(app, "--truth", o.truth, "T.tum", "True trajectory, TUM format, in any frame");
   add_text_option(app, "--relations", o.relations, "R.txt", "True relations between scans");
   add_text_option(app, "--out", o.out, "DIR", "Folder for the results (parloc_map)");
   add_text_option(app, "--particles", o.particles, "N", "Each with a map of its own, 1 to 65535");
@@ -41,6 +44,7 @@ void declare(CLI::App& app, SlamOptions& o) {
   add_text_option(app, "--backend", o.backend, "WHICH", "auto, cpu or cuda");
   add_text_option(app, "--seed", o.seed, "S", "Same seed, same map");
   add_text_option(app, "--threads", o.threads, "K", "CPU threads; 0: all cores");
+  app.add_flag("--live", o.live, "While it works: the map so far in DIR/live.html");
   app.add_flag("--json", o.json, "Print the metrics alone, as JSON");
   app.add_flag("--quiet", o.quiet, "No progress and no summary");
   app.get_help_ptr()->group("");  // whoever reads the list knows it
@@ -79,6 +83,8 @@ constexpr const char* kTrajectory = "trajectory.tum";
 constexpr const char* kMetrics = "metrics.json";
 constexpr const char* kReport = "report.html";
 constexpr const char* kPicture = "picture.png";
+constexpr const char* kLivePicture = "live.png";  // while it works
+constexpr const char* kLivePage = "live.html";
 
 void write_results(OutputFolder& out, const slam::SlamResults& results) {
   const RunReport report = slam::report_of(results);
@@ -90,6 +96,14 @@ void write_results(OutputFolder& out, const slam::SlamResults& results) {
   out.publish();
 }
 
+void watch(slam::MapRequest& request, std::optional<LivePicture>& live, const OutputFolder& out) {
+  live.emplace(out.final_path(kLivePicture), out.final_path(kLivePage), "Map of " + request.log_name,
+               kReport);
+  request.watch = [&live](const GridSlam& slam, std::size_t scans) {
+    live->offer([&](const std::string& path) { slam::write_live(path, slam::growth_of(slam, scans)); });
+  };
+}
+
 int run(const SlamOptions& o, const std::string& typed) {
   // Everything that can be wrong is looked at before the long work.
   slam::MapRequest request;
@@ -98,14 +112,18 @@ int run(const SlamOptions& o, const std::string& typed) {
   const std::unique_ptr<LogReader> log = open_carmen_log(o.log);
   const std::vector<Relation> relations =
       o.relations.empty() ? std::vector<Relation>{} : read_relations(o.relations);
-  OutputFolder out(o.out, {kMap, kImage, kTrajectory, kMetrics, kReport, kPicture});
+  const Trajectory truth = o.truth.empty() ? Trajectory{} : read_tum(o.truth);
+  OutputFolder out(o.out, {kMap, kImage, kTrajectory, kMetrics, kReport, kPicture, kLivePicture, kLivePage});
+  std::optional<LivePicture> live;  // to the end of the writing: its page then leads to the report
+  if (o.live) watch(request, live, out);
 
-  slam::SlamResults results{o.log, o.relations, typed, {}, {}};
+  slam::SlamResults results{o.log, o.relations, o.truth, typed, {}, {}, {}, {}};
   catch_interrupts();
   {
     Progress progress(Progress::style_here(o.quiet));
     request.progress = [&](double fraction, std::size_t scans) {
-      progress.update(fraction, fmt::format("{} scans", scans));
+      progress.update(fraction,
+                      fmt::format("{} scans{}", scans, o.live ? ", see " + out.final_path(kLivePage) : ""));
     };
     request.stop = interrupted;
     results.mapping = slam::map_log(*log, request);
@@ -114,6 +132,7 @@ int run(const SlamOptions& o, const std::string& typed) {
     fmt::print(stderr, "parloc: interrupted before the first scan, nothing is written\n");
     return kExitInterrupted;
   }
+  if (!o.truth.empty()) slam::compare_with_truth(results, truth);
   if (!o.relations.empty()) results.relations = compare_relations(results.mapping.trajectory, relations);
   write_results(out, results);
   if (o.json) {

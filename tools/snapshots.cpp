@@ -1,6 +1,5 @@
 #include "tools/snapshots.h"
 
-#include <algorithm>
 #include <cmath>
 
 namespace parloc::tools {
@@ -26,21 +25,11 @@ Snapshot snapshot_of(const ParticleFilter& filter, const Pose& estimate, const S
 }  // namespace
 
 void SnapshotKeeper::offer(const ParticleFilter& filter, const Pose& estimate, const Scan& scan) {
-  last_kept_ = offered_++ % stride_ == 0;
-  if (!last_kept_) return;
-  kept_.push_back(snapshot_of(filter, estimate, scan));
-  if (kept_.size() <= most) return;
-  std::size_t kept = 0;
-  for (std::size_t i = 0; i < kept_.size(); i += 2) {
-    if (kept != i) kept_[kept] = std::move(kept_[i]);
-    ++kept;
-  }
-  kept_.resize(kept);  // `most` is even, so the newest is among them
-  stride_ *= 2;
+  kept_.offer([&] { return snapshot_of(filter, estimate, scan); });
 }
 
 void SnapshotKeeper::finish(const ParticleFilter& filter, const Pose& estimate, const Scan& scan) {
-  if (!last_kept_) kept_.push_back(snapshot_of(filter, estimate, scan));
+  kept_.finish([&] { return snapshot_of(filter, estimate, scan); });
 }
 
 }  // namespace parloc::tools

@@ -63,15 +63,20 @@ Canvas::Canvas(std::int32_t width, std::int32_t height, Rgba background)
 }
 
 void Canvas::set(std::int32_t x, std::int32_t y, Rgba colour) {
-  colour.alpha = 255;
-  blend(x, y, colour, 1.0);
+  if (x < 0 || y < 0 || x >= width_ || y >= height_) return;
+  std::uint8_t* p = at(x, y);
+  p[0] = colour.red, p[1] = colour.green, p[2] = colour.blue;
+}
+
+std::uint8_t* Canvas::at(std::int32_t x, std::int32_t y) {
+  return &pixels_[3 * (static_cast<std::size_t>(y) * static_cast<std::size_t>(width_) +
+                       static_cast<std::size_t>(x))];
 }
 
 void Canvas::blend(std::int32_t x, std::int32_t y, Rgba colour, double coverage) {
   if (x < 0 || y < 0 || x >= width_ || y >= height_) return;
   const double share = std::clamp(coverage * colour.alpha / 255.0, 0.0, 1.0);
-  std::uint8_t* p = &pixels_[3 * (static_cast<std::size_t>(y) * static_cast<std::size_t>(width_) +
-                                  static_cast<std::size_t>(x))];
+  std::uint8_t* p = at(x, y);
   const std::uint8_t target[3] = {colour.red, colour.green, colour.blue};
   for (int k = 0; k < 3; ++k)
     p[k] = static_cast<std::uint8_t>(std::lround(p[k] + share * (target[k] - p[k])));

@@ -37,6 +37,8 @@ class Canvas {
   const std::vector<std::uint8_t>& pixels() const { return pixels_; }
 
  private:
+  std::uint8_t* at(std::int32_t x, std::int32_t y);
+
   std::int32_t width_, height_;
   std::vector<std::uint8_t> pixels_;
 };

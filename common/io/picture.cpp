@@ -18,6 +18,7 @@ namespace parloc {
 namespace {
 
 constexpr std::int32_t least_px = 1100, most_px = 2000;
+constexpr std::int32_t least_live_px = 600, most_live_px = 1000;
 
 /// The dashes of a line that has come `travelled` pixels so far, cut where dash and gap meet. A segment of
 /// more than `kLongest` dashes is drawn solid: it is a jump far outside the picture, and must not cost its
@@ -191,12 +192,32 @@ void draw_strip(Canvas& canvas, const Strip& strip, std::int32_t top) {
   }
 }
 
+void draw_robot(Canvas& canvas, const Pose& pose, const MapView& view) {
+  if (!drawable_point(pose.x_m, pose.y_m) || !std::isfinite(pose.theta_rad)) return;
+  const Pixel at = view.to_pixel(pose.x_m, pose.y_m);
+  const double angle = view.to_image_angle(pose.theta_rad);
+  canvas.disc(at.x, at.y, 7, white);
+  canvas.line(at.x, at.y, at.x + 16 * std::cos(angle), at.y - 16 * std::sin(angle), 3, robot_colour);
+  canvas.disc(at.x, at.y, 5.5, robot_colour);
+}
+
+MapView view_of(const std::string& path, const RunReport& report, std::int32_t least, std::int32_t most) {
+  const std::optional<MapView> view = fit_view(report, least, most);
+  if (!view) throw Error(ErrorKind::output, path + ": cannot be written: neither a map nor a path to show");
+  return *view;
+}
+
+/// One above the other; both of the same width.
+std::string encode_stacked(const Canvas& upper, const Canvas& lower, PngEffort effort) {
+  std::vector<std::uint8_t> pixels = upper.pixels();
+  pixels.insert(pixels.end(), lower.pixels().begin(), lower.pixels().end());
+  return encode_png_rgb(upper.width(), upper.height() + lower.height(), pixels, effort);
+}
+
 }  // namespace
 
 void write_picture(const std::string& path, const RunReport& report) {
-  const std::optional<MapView> fitted = fit_view(report, least_px, most_px);
-  if (!fitted) throw Error(ErrorKind::output, path + ": cannot be written: neither a map nor a path to show");
-  const MapView& view = *fitted;
+  const MapView view = view_of(path, report, least_px, most_px);
   const Strip strip = legend_strip(report, view.width_px);
   const std::int32_t strip_px = strip.items.empty() ? 0 : strip.lines * line_px + margin_px;
   Canvas map(view.width_px, view.height_px, white);
@@ -204,11 +225,22 @@ void write_picture(const std::string& path, const RunReport& report) {
   draw_paths_and_clouds(map, report, view);
   draw_scale_bar(map, view);
 
-  Canvas legend(view.width_px, std::max<std::int32_t>(1, strip_px), white);
+  Canvas legend(view.width_px, strip_px, white);
   draw_strip(legend, strip, 0);
-  std::vector<std::uint8_t> pixels = map.pixels();
-  if (strip_px > 0) pixels.insert(pixels.end(), legend.pixels().begin(), legend.pixels().end());
-  replace_file(path, encode_png_rgb(view.width_px, view.height_px + strip_px, pixels));
+  replace_file(path, encode_stacked(map, legend, PngEffort::small));
+}
+
+void write_live_picture(const std::string& path, const RunReport& report, const std::string& caption) {
+  const MapView view = view_of(path, report, least_live_px, most_live_px);
+  Canvas map(view.width_px, view.height_px, white);
+  if (report.map != nullptr) draw_cells(map, *report.map, view, ink);
+  draw_track(map, report.estimate, view, 2, 0, estimate_colour);
+  draw_clouds(map, report, view);
+  if (!report.estimate.empty()) draw_robot(map, report.estimate.back().pose, view);
+  draw_scale_bar(map, view);
+  Canvas strip(view.width_px, line_px + margin_px / 2, white);
+  strip.text(margin_px, (strip.height() - 7 * text_scale) / 2, caption, text_scale, ink);
+  replace_file(path, encode_stacked(map, strip, PngEffort::fast));
 }
 
 }  // namespace parloc

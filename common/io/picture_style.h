@@ -9,6 +9,7 @@ inline constexpr Rgba estimate_colour = {0, 114, 178, 255};
 inline constexpr Rgba truth_colour = {230, 159, 0, 255};
 inline constexpr Rgba odometry_colour = {181, 80, 140, 255};
 inline constexpr Rgba particle_colour = {0, 158, 115, 160};
+inline constexpr Rgba robot_colour = {213, 94, 0, 255};
 inline constexpr Rgba white = {255, 255, 255, 255}, ink = {25, 28, 32, 255};
 inline constexpr Rgba unknown_colour = {223, 226, 229, 255};
 

@@ -40,8 +40,10 @@ std::string encode(png_image& image, const void* pixels, const void* colormap) {
 
 }  // namespace
 
-std::string encode_png_rgb(std::int32_t width, std::int32_t height, const std::vector<std::uint8_t>& pixels) {
+std::string encode_png_rgb(std::int32_t width, std::int32_t height, const std::vector<std::uint8_t>& pixels,
+                           PngEffort effort) {
   png_image image = describe(width, height, pixels.size(), 3);
+  if (effort == PngEffort::fast) image.flags |= PNG_IMAGE_FLAG_FAST;
   image.format = PNG_FORMAT_RGB;
   return encode(image, pixels.data(), nullptr);
 }

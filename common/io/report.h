@@ -8,6 +8,7 @@
 
 #include "common/eval/metrics.h"
 #include "common/filter/particle_filter.h"
+#include "common/io/svg_plot.h"
 #include "common/io/trajectory.h"
 #include "common/localize/health.h"
 #include "common/map/grid_map.h"
@@ -49,6 +50,14 @@ struct Fact {
   std::string value;
 };
 
+/// A map at one moment of its making.
+struct MapMoment {
+  Snapshot state;           ///< When it was, and where the robot and the particles were.
+  GridMap map;              ///< As it was then; the grid's heading is that of the report's map.
+  Trajectory path;          ///< The way there, as it was believed then.
+  std::vector<Fact> facts;  ///< What there is to say.
+};
+
 /// A titled table of facts: configuration, beams used and rejected, map, digest.
 struct FactTable {
   std::string title;
@@ -77,6 +86,9 @@ struct RunReport {
 
   std::vector<Snapshot> snapshots;  ///< In time order; 6 to 12 follow a run well, at most 24 are shown.
   bool every_cloud = false;         ///< The map shows all of them together, not only one moment's.
+  std::vector<MapMoment> growth;    ///< In time order, where the map was made in this run; 24 are shown.
+  std::string growth_note;          ///< What the words of their facts mean.
+  std::vector<Plot> plots;          ///< More plots over time, after that of N_eff.
 };
 
 /// One self-contained HTML file: no script, style, font or image from elsewhere; readable on a phone and in
@@ -90,6 +102,11 @@ void write_report(const std::string& path, const RunReport& report);
 /// estimated path, the last particle cloud or all of them, start and end, a legend and a scale bar. Throws
 /// Error{output} likewise; a report without a map and without a path gives Error{output} as well.
 void write_picture(const std::string& path, const RunReport& report);
+
+/// One PNG for looking at while the work goes on, at most 1000 pixels a side and made for speed: the map, the
+/// estimated path, the last snapshot's particles, the robot at its pose, and `caption` below. Throws as
+/// write_picture().
+void write_live_picture(const std::string& path, const RunReport& report, const std::string& caption);
 
 /// One PNG: the errors in x, y and heading over time, one under the other, with three standard deviations of
 /// the particles. Throws Error{output} likewise; a report without errors gives Error{output} as well.

@@ -7,55 +7,14 @@
 #include "common/io/html_text.h"
 #include "common/io/map_view.h"
 #include "common/io/png_writer.h"
+#include "common/io/report_marks.h"
 #include "common/io/report_parts.h"
 
 namespace parloc {
 namespace {
 
 constexpr std::int32_t most_map_px = 1600;
-constexpr std::size_t most_moments = 24, most_scan_points = 1000, most_path_points = 20000;
-
-/// A path without points that lie within a third of a pixel of the one before. Poses that cannot be drawn
-/// break it.
-std::string track_path(const Trajectory& track, const MapView& view) {
-  std::string d;
-  auto out = std::back_inserter(d);
-  bool pen_down = false;
-  Pixel last;
-  const std::vector<std::size_t> kept = evenly_spaced(track.size(), most_path_points);
-  for (const std::size_t k : kept) {
-    const Pose& pose = track[k].pose;
-    if (!drawable_point(pose.x_m, pose.y_m)) {
-      pen_down = false;
-      continue;
-    }
-    const Pixel p = view.to_pixel(pose.x_m, pose.y_m);
-    if (pen_down && k != kept.back() && std::hypot(p.x - last.x, p.y - last.y) < 0.33) continue;
-    fmt::format_to(out, "{}{:.1f} {:.1f}", pen_down ? 'L' : 'M', p.x, p.y);
-    pen_down = true, last = p;
-  }
-  return d;
-}
-
-std::string path(const std::string& classes, const std::string& d) {
-  return d.empty() ? "" : fmt::format("<path class=\"{}\" d=\"{}\"/>", classes, d);
-}
-
-/// The particles as dots, in three strengths by weight.
-std::string cloud(const Snapshot& snapshot, const MapView& view, const std::string& id) {
-  float heaviest = 0.0F;
-  for (const Particle& p : snapshot.particles) heaviest = p.weight > heaviest ? p.weight : heaviest;
-  std::string faint, half, full;
-  for (const std::size_t k : evenly_spaced(snapshot.particles.size(), Snapshot::max_particles)) {
-    const Particle& p = snapshot.particles[k];
-    if (!drawable_point(p.x_m, p.y_m)) continue;
-    const Pixel at = view.to_pixel(p.x_m, p.y_m);
-    std::string& d = p.weight >= 0.3F * heaviest ? full : p.weight >= 0.03F * heaviest ? half : faint;
-    fmt::format_to(std::back_inserter(d), "M{:.2f} {:.2f}h0", at.x, at.y);
-  }
-  return fmt::format("<g id=\"{}\">{}{}{}</g>", id, path("cloud faint c4", faint),
-                     path("cloud half c4", half), path("cloud c4", full));
-}
+constexpr std::size_t most_moments = 24, most_scan_points = 1000;
 
 std::string scan_points(const Snapshot& snapshot, const MapView& view, const std::string& id) {
   std::string d;
@@ -68,37 +27,10 @@ std::string scan_points(const Snapshot& snapshot, const MapView& view, const std
   return d.empty() ? "" : fmt::format("<path id=\"{}\" class=\"scan c5\" d=\"{}\"/>", id, d);
 }
 
-/// An arrow from the pose along its heading.
-std::string arrow(const Pose& pose, const MapView& view, double length_px) {
-  if (!drawable_point(pose.x_m, pose.y_m) || !std::isfinite(pose.theta_rad)) return "";
-  const Pixel from = view.to_pixel(pose.x_m, pose.y_m);
-  const double angle = view.to_image_angle(pose.theta_rad);
-  const auto along = [&](double at, double turn) {
-    return Pixel{from.x + length_px * at * std::cos(angle + turn),
-                 from.y - length_px * at * std::sin(angle + turn)};
-  };
-  const Pixel tip = along(1.0, 0.0), left = along(0.7, 0.25), right = along(0.7, -0.25);
-  return path("arrow",
-              fmt::format("M{:.2f} {:.2f}L{:.2f} {:.2f}M{:.2f} {:.2f}L{:.2f} {:.2f}L{:.2f} {:.2f}", from.x,
-                          from.y, tip.x, tip.y, left.x, left.y, tip.x, tip.y, right.x, right.y));
-}
-
-std::string dot(const std::string& classes, const Pose& pose, const MapView& view) {
-  if (!drawable_point(pose.x_m, pose.y_m)) return "";
-  const Pixel at = view.to_pixel(pose.x_m, pose.y_m);
-  return path(classes, fmt::format("M{:.2f} {:.2f}h0", at.x, at.y));
-}
-
 std::string start_and_end(const Trajectory& track, const MapView& view) {
   if (track.empty()) return "";
   return dot("spot c1", track.front().pose, view) + dot("hole", track.front().pose, view) +
          dot("end c1", track.back().pose, view);
-}
-
-std::string time_text(const TimeAxis& axis, double stamp_s) {
-  return drawable(stamp_s)
-             ? number_text((stamp_s - axis.start_s) / axis.unit_s, axis.unit_s > 1 ? 2 : 1) + " " + axis.unit
-             : "unknown time";
 }
 
 std::string moment_layer(const Snapshot& snapshot, const MapView& view, const TimeAxis& axis,
@@ -148,10 +80,12 @@ std::string overview(const RunReport& report, const MapView& view, const TimeAxi
                          "role=\"img\" aria-label=\"Map and paths\">",
                          85.0 * view.width_px / view.height_px, view.width_px, view.height_px);
   if (report.map != nullptr) html += map_image(*report.map, view);
-  if (report.truth) html += path("truth c2", track_path(*report.truth, view));
+  constexpr PathDetail paths{20000, 0.33};
+  if (report.truth) html += svg_path("truth c2", track_path(*report.truth, view, paths));
   if (report.every_cloud) html += trail(moments.size());
-  html += path("estimate c1", track_path(report.estimate, view));
-  html += path("odometry c3", track_path(report.odometry, view)) + start_and_end(report.estimate, view);
+  html += svg_path("estimate c1", track_path(report.estimate, view, paths));
+  html += svg_path("odometry c3", track_path(report.odometry, view, paths)) +
+          start_and_end(report.estimate, view);
   for (std::size_t k = 0; k < moments.size(); ++k) {
     html += moment_layer(report.snapshots[moments[k]], view, axis, k, k + 1 == moments.size());
   }
@@ -200,14 +134,17 @@ std::string closeup(const RunReport& report, const Snapshot& snapshot, const Map
 
 }  // namespace
 
-std::string map_image(const GridMap& map, const MapView& view) {
+std::string map_data_uri(const GridMap& map, const MapView& view) {
   std::vector<std::uint8_t> pixels;
   for (const Cell cell : raster(map, view)) pixels.push_back(static_cast<std::uint8_t>(cell));
   const std::vector<Rgba> palette = {
       {255, 255, 255, 0}, {25, 28, 32, 255}, {128, 128, 128, 64}};  // as enum Cell
+  return png_data_uri(encode_png_palette(view.width_px, view.height_px, pixels, palette));
+}
+
+std::string map_image(const GridMap& map, const MapView& view) {
   return fmt::format("<image id=\"cells\" class=\"cells\" width=\"{}\" height=\"{}\" href=\"{}\"/>",
-                     view.width_px, view.height_px,
-                     png_data_uri(encode_png_palette(view.width_px, view.height_px, pixels, palette)));
+                     view.width_px, view.height_px, map_data_uri(map, view));
 }
 
 std::string scale_bar(const MapView& view) {
@@ -229,8 +166,8 @@ std::string map_figures(const RunReport& report, const TimeAxis& axis) {
   if (!fitted) return "";
   const MapView& view = *fitted;
   const std::vector<std::size_t> moments = evenly_spaced(report.snapshots.size(), most_moments);
-  std::string html =
-      std::string("<h2>Where it was</h2>\n") + invert_filter() + overview(report, view, axis, moments);
+  std::string html = invert_filter() + growth_figures(report, view, axis) + "<h2>Where it was</h2>\n" +
+                     overview(report, view, axis, moments);
   if (moments.empty()) return html;
   html += fmt::format(
       "<div class=\"moment\"><label for=\"moment\">Particles at</label><input type=\"range\" "

@@ -14,15 +14,20 @@ namespace parloc {
 /// The style sheet: light and dark, any width. Classes c1 to c6 are the colours of lines and marks.
 const char* report_style();
 
-/// The script that moves the particle cloud through time; without it the last moment is shown.
+/// The script that moves particle cloud and growing map through time; without it the last moment is shown.
 const char* report_script();
 
 /// The map with the paths and, one at a time, the particle clouds; then a close-up of each cloud.
 /// `axis` gives the time of each moment. Empty if there is neither a map nor a path.
 std::string map_figures(const RunReport& report, const TimeAxis& axis);
 
-/// The cells as an <image> for an <svg> of the view's size. Free cells are clear, so that the page's own
-/// colour shows.
+/// A map in the making: one large picture at a time, what was known of it, and all of them small. `view` is
+/// that of the finished map. Empty without such moments.
+std::string growth_figures(const RunReport& report, const MapView& view, const TimeAxis& axis);
+
+/// The cells under the view as a PNG. Free cells are clear, so that the page's own colour shows.
+std::string map_data_uri(const GridMap& map, const MapView& view);
+/// The cells as an <image> for an <svg> of the view's size.
 std::string map_image(const GridMap& map, const MapView& view);
 /// Once per page with such images: inverts their colours in dark mode. As an SVG filter, because not every
 /// browser applies CSS filter functions inside SVG.

@@ -124,6 +124,7 @@ std::string plot_figures(const RunReport& report, const TimeAxis& axis) {
   if (std::any_of(report.steps.begin(), report.steps.end(), [](auto& s) { return s.health.has_value(); }))
     html += render_plot(health_plot(report, stamps), axis);
   html += render_plot(n_eff_plot(report, stamps), axis);
+  for (const Plot& plot : report.plots) html += render_plot(plot, axis);
   html += render_plot({"Standard deviation of position",
                        "m",
                        PlotScale::automatic,

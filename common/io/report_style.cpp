@@ -68,6 +68,21 @@ output{white-space:nowrap;font-variant-numeric:tabular-nums}
 .closeups figcaption{font-size:.8rem;margin:.15rem 0 0;color:var(--soft)}
 .closeups svg{border:1px solid var(--rule);background:var(--page)}
 .closeups .chosen svg{outline:2px solid var(--c4)}
+.grown{stroke-width:1.8px}
+.grown .cloud{stroke-width:3.5px}
+.robot{stroke-width:9px}
+.frames{display:grid;grid-template-columns:repeat(auto-fill,minmax(7.5rem,1fr));gap:.7rem;margin-top:.8rem}
+.frames figure{cursor:pointer}
+.frames figcaption{font-size:.8rem;margin:.15rem 0 0;color:var(--soft)}
+.frames svg{border:1px solid var(--rule);background:var(--page)}
+.frames use{stroke-width:1px}
+.frames .chosen svg{outline:2px solid var(--c4)}
+.told{display:grid;grid-template-columns:repeat(auto-fit,minmax(7.5rem,1fr));gap:.5rem 1.2rem;margin:.6rem 0 0}
+.told dt{color:var(--soft);font-size:.8rem}
+.told dd{margin:0;font-weight:600;font-variant-numeric:tabular-nums}
+button{font:inherit;min-width:4.6rem;padding:.15rem .7rem;border:1px solid var(--rule);border-radius:.4rem;
+background:var(--panel);color:var(--text);cursor:pointer}
+[hidden]{display:none!important}
 .plots{display:grid;grid-template-columns:repeat(auto-fit,minmax(min(100%,26rem),1fr));gap:1.3rem 1.6rem}
 .axes{display:grid;grid-template-columns:3.4rem 1fr;grid-template-rows:9.5rem 1.5rem}
 .axes .y,.axes .x,.axes .area{position:relative;font-size:.75rem;color:var(--soft)}
@@ -92,15 +107,25 @@ output{white-space:nowrap;font-variant-numeric:tabular-nums}
 
 const char* report_script() {
   return R"js(
-const slider=document.getElementById('moment'),when=document.getElementById('when');
-const moments=[...document.querySelectorAll('.snap')],close=[...document.querySelectorAll('.closeups figure')];
-function show(){const k=+slider.value,m=moments[k];
-moments.forEach((e,i)=>{e.style.display=i===k?'inline':'none'});
-close.forEach((e,i)=>e.classList.toggle('chosen',i===k));
-when.textContent=m.dataset.time;
-document.querySelectorAll('.now').forEach(e=>{e.style.display='block';e.style.left=m.dataset.at+'%'})}
-if(slider){slider.addEventListener('input',show);
-close.forEach((e,i)=>e.addEventListener('click',()=>{slider.value=i;show()}));show()}
+const all=q=>[...document.querySelectorAll(q)];
+function through(id,out,layers,texts,pictures){const slider=document.getElementById(id);if(!slider)return;
+const show=()=>{const k=+slider.value,m=layers[k];
+layers.forEach((e,i)=>{e.style.display=i===k?'inline':'none'});
+texts.forEach((e,i)=>{e.style.display=i===k?'':'none'});
+pictures.forEach((e,i)=>e.classList.toggle('chosen',i===k));
+document.getElementById(out).textContent=m.dataset.time;
+all('.now').forEach(e=>{e.style.display='block';e.style.left=m.dataset.at+'%'})};
+slider.addEventListener('input',show);
+pictures.forEach((e,i)=>e.addEventListener('click',()=>{slider.value=i;show()}));
+all('.scripted').forEach(e=>{e.hidden=false});show();return k=>{slider.value=k;show()}}
+through('moment','when',all('.snap'),[],all('.closeups figure'));
+const grow=through('grow','grow-at',all('.grown'),all('.told'),all('.frames figure'));
+if(grow){const slider=document.getElementById('grow'),button=document.getElementById('play');let timer=0;
+const stop=()=>{clearInterval(timer);timer=0;button.textContent='Play'};
+const next=()=>{if(+slider.value>=+slider.max)stop();else grow(+slider.value+1)};
+button.addEventListener('click',()=>{if(timer)return stop();
+if(+slider.value>=+slider.max)grow(0);button.textContent='Pause';timer=setInterval(next,400)});
+slider.addEventListener('input',stop);all('.frames figure').forEach(e=>e.addEventListener('click',stop))}
 )js";
 }
 

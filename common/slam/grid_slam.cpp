@@ -98,11 +98,16 @@ bool GridSlam::step(const Pose& odometry, const Scan& scan) {
   s.odometry = odometry;
   s.odometry_of.push_back(odometry);
   s.moments.push_back({scan.stamp_s, odometry, s.records.size(), true});
-  std::vector<Pose> poses(s.last->x.size());
-  for (std::size_t i = 0; i < poses.size(); ++i) poses[i] = {s.last->x[i], s.last->y[i], s.last->theta[i]};
-  s.paths.add(poses, s.last->ancestor);
+  s.paths.add(poses(), s.last->ancestor);
   s.records.push_back({scan.stamp_s, s.last->state.n_eff, s.last->state.resample != 0, s.last->tiles});
   return true;
+}
+
+std::vector<Pose> GridSlam::poses() const {
+  const State& s = *state_;
+  std::vector<Pose> poses(s.last == nullptr ? 0 : s.last->x.size());
+  for (std::size_t i = 0; i < poses.size(); ++i) poses[i] = {s.last->x[i], s.last->y[i], s.last->theta[i]};
+  return poses;
 }
 
 std::size_t GridSlam::best() const {

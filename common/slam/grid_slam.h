@@ -44,7 +44,10 @@ class GridSlam {
 
   /// Slot of the most likely particle.
   std::size_t best() const;
-  /// Its pose at every scan so far, map frame; between scans that counted by odometry, bent to fit both.
+  /// Where the particles were at the last scan that counted, by slot; map frame.
+  std::vector<Pose> poses() const;
+  /// The best one's pose at every scan so far, map frame; between scans that counted by odometry, bent to fit
+  /// both.
   Trajectory trajectory() const;
   /// Its map, cropped to what is known.
   GridMap map() const;

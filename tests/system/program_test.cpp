@@ -351,6 +351,7 @@ TEST_F(Program, EveryHelpFitsAScreen) {
                                             {"map", "show", "--help"},
                                             {"config", "--help"},
                                             {"evaluate", "--help"},
+                                            {"slam", "--help"},
                                             {"bench", "--help"},
                                             {"devices", "--help"}}) {
     const Outcome outcome = call(args);

@@ -105,6 +105,21 @@ RunReport sample(const GridMap* map, int steps) {
   return report;
 }
 
+/// The part of the hall up to a column, as if no more were known yet, on a grid of its own of cells of 10 cm.
+MapMoment half_known(const GridMap& hall, const RunReport& report, int columns) {
+  MapMoment moment;
+  GridMap& map = moment.map;
+  map.width = columns / 2, map.height = hall.height / 2, map.resolution_m = 2 * hall.resolution_m;
+  map.T_map_grid = hall.T_map_grid;
+  for (int j = 0; j < map.height; ++j)
+    for (int i = 0; i < map.width; ++i) map.cells.push_back(hall.at(2 * i, 2 * j));
+  moment.state = report.snapshots.front();
+  moment.state.stamp_s += columns;
+  moment.path = report.estimate;
+  moment.facts = {{"scans taken in", std::to_string(columns)}, {"<odd>", "&"}};
+  return moment;
+}
+
 class ReportTest : public testing::Test {
  protected:
   void SetUp() override {
@@ -224,6 +239,66 @@ TEST_F(ReportTest, LongRunsStaySmall) {
   expect_well_formed(page);
   EXPECT_LT(page.size(), 3'000'000U);
   EXPECT_EQ(count(page, "class=\"snap\""), 24U);
+}
+
+TEST_F(ReportTest, ShowsAMapInTheMaking) {
+  RunReport report = sample(&map_, 600);
+  for (int k = 0; k < 40; ++k) report.growth.push_back(half_known(map_, report, 20 + 10 * k));
+  report.growth_note = "a note <of> mine";
+  report.plots = {
+      {"Another plot", "MiB", PlotScale::linear, {{"", "c1", {1e9, 1e9 + 9}, {1, 2}}}, {}, {}, {}}};
+  const std::string page = html(report, "growth.html");
+  expect_well_formed(page);
+  for (const char* part :
+       {"How the map grew", "id=\"grow\"", "max=\"23\"", "id=\"play\"", "a note &lt;of&gt; mine",
+        "&lt;odd&gt;", "scans taken in", "<dd>410</dd>", "id=\"grown23\"", "#grown23", "Another plot"}) {
+    EXPECT_NE(page.find(part), std::string::npos) << part;
+  }
+  EXPECT_EQ(count(page, "data:image/png;base64,iVBORw0KGgo"), 25U);  // 24 moments and the whole map
+  EXPECT_EQ(count(page, "<g class=\"grown\""), 24U);
+  EXPECT_EQ(count(page, "<dl class=\"told\">"), 1U);  // of the last moment; the others wait for the script
+  EXPECT_EQ(count(page, "<dl class=\"told\" style=\"display:none\">"), 23U);
+  EXPECT_LT(page.size(), 1'500'000U);
+  const std::string without = html(sample(&map_, 600), "no_growth.html");
+  EXPECT_EQ(without.find("How the map grew"), std::string::npos);
+  EXPECT_EQ(without.find("id=\"grow"), std::string::npos);
+}
+
+// Whatever the moment's grid: its cells lie where they are on the whole map, which is drawn in the same
+// figure.
+TEST_F(ReportTest, AMapInTheMakingLiesInItsPlace) {
+  RunReport report = sample(&map_, 600);
+  report.growth.push_back(half_known(map_, report, 420));
+  const std::string page = html(report, "place.html");
+  const std::regex image(
+      "<image class=\"cells\" x=\"([-0-9.]+)\" y=\"([-0-9.]+)\" width=\"([0-9.]+)\" height=\"([0-9.]+)\" "
+      "preserveAspectRatio=\"none\" href=\"");
+  std::smatch found;
+  ASSERT_TRUE(std::regex_search(page, found, image));
+  const std::size_t figure = page.find("viewBox=\"0 0 ", page.find("How the map grew"));
+  double width = 0, height = 0;
+  ASSERT_EQ(std::sscanf(page.c_str() + figure, "viewBox=\"0 0 %lf %lf", &width, &height), 2);
+  // The figure's pixels are cells of 5 cm; the moment's cells of 10 cm begin at most one earlier and end at
+  // most one later than the figure.
+  EXPECT_NEAR(std::stod(found[1]), 0.0, 2.0);
+  EXPECT_NEAR(std::stod(found[2]) + std::stod(found[4]), height, 2.0);
+  EXPECT_NEAR(std::stod(found[3]), width, 4.0);
+  EXPECT_NEAR(std::stod(found[4]), height, 4.0);
+}
+
+TEST_F(ReportTest, LivePictureHasMapPathRobotAndWords) {
+  RunReport report = sample(&map_, 600);
+  report.steps.clear(), report.errors.reset(), report.truth.reset(), report.odometry.clear();
+  const auto drawn = [&](const std::string& caption) {
+    write_live_picture(in_folder("live.png"), report, caption);
+    return decode(read(in_folder("live.png")));
+  };
+  const Picture picture = drawn("12 scans");
+  EXPECT_GE(std::max(picture.width, picture.height), 400);
+  EXPECT_LE(std::max(picture.width, picture.height), 1050);
+  EXPECT_GT(pixels_of(picture, 0, 114, 178), 300U);  // the path
+  EXPECT_GT(pixels_of(picture, 213, 94, 0), 50U);    // the robot
+  EXPECT_GT(pixels_of(picture, 25, 28, 32), pixels_of(drawn(""), 25, 28, 32) + 50U);
 }
 
 TEST_F(ReportTest, EscapesAllText) {

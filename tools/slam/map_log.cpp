@@ -5,6 +5,7 @@
 #include <limits>
 
 #include "common/error.h"
+#include "tools/even_sample.h"
 #include "tools/scan_stream.h"
 
 namespace parloc::slam {
@@ -36,6 +37,7 @@ Mapping map_log(LogReader& log, const MapRequest& request) {
   if (!scans.next(record)) throw tools::no_scan(request.log_name, log.warnings());
   GridSlam slam(request.config);
   Mapping m;
+  tools::EvenSample<Growth> growth(22);
   const Clock::time_point begun = Clock::now();
   double earliest_s = record.stamp_s, latest_s = record.stamp_s;
   const Pose T_odometry_map = record.odometry;
@@ -44,10 +46,13 @@ Mapping map_log(LogReader& log, const MapRequest& request) {
     scans.pass_odometry(
         [&](const StampedPose& reading) { slam.add_odometry(reading.stamp_s, reading.pose); });
     const Clock::time_point step_begun = Clock::now();
-    if (slam.step(record.odometry, record.scan)) m.step_s.push_back(seconds_since(step_begun));
+    const bool taken_in = slam.step(record.odometry, record.scan);
+    if (taken_in) m.step_s.push_back(seconds_since(step_begun));
     ++m.scans;
     earliest_s = std::min(earliest_s, record.stamp_s), latest_s = std::max(latest_s, record.stamp_s);
     m.odometry.push_back({record.stamp_s, relative(record.odometry, T_odometry_map)});
+    if (taken_in) growth.offer([&] { return growth_of(slam, m.scans); });
+    if (taken_in && request.watch) request.watch(slam, m.scans);
     if (request.progress) request.progress(log.progress(), m.scans);
     more = scans.next(record);
   }
@@ -59,6 +64,8 @@ Mapping map_log(LogReader& log, const MapRequest& request) {
     throw input_error(
         request.log_name, 0,
         "expected a scan with enough beams to map, found none in " + std::to_string(m.scans) + " scans");
+  growth.finish([&] { return growth_of(slam, m.scans); });
+  m.growth = growth.take();
   finish(slam, m);
   m.wall_s = seconds_since(begun);
   return m;

@@ -13,6 +13,7 @@
 #include "common/model/beam_counts.h"
 #include "common/model/lidar.h"
 #include "common/slam/grid_slam.h"
+#include "tools/slam/growth.h"
 
 namespace parloc::slam {
 
@@ -20,6 +21,8 @@ struct MapRequest {
   FilterConfig config;
   std::string log_name;                                              ///< For messages.
   std::function<void(double fraction, std::size_t scans)> progress;  ///< After every scan; may be empty.
+  /// After every scan that was taken in; may be empty. `scans` were read.
+  std::function<void(const GridSlam& slam, std::size_t scans)> watch;
   std::function<bool()> stop;  ///< Asked before every scan; may be empty. True ends the work early.
 };
 
@@ -31,6 +34,7 @@ struct Mapping {
   std::vector<SlamRecord> records;    ///< One per scan that was taken in.
   std::vector<std::size_t> distinct;  ///< Ancestors of the last particles, by such a scan.
   std::vector<double> step_s;         ///< Wall time of each of them.
+  std::vector<Growth> growth;         ///< Evenly over such scans, 23 at most, the last one among them.
   std::size_t scans = 0;              ///< Read from the log.
   SlamMemory memory;
   std::vector<LidarUse> lidars;

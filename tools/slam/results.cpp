@@ -3,8 +3,12 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <limits>
 #include <nlohmann/json.hpp>
+#include <numbers>
 
+#include "common/eval/align.h"
+#include "common/slam/tiles.h"
 #include "tools/bench/json_parts.h"
 #include "tools/bench/statistics.h"
 #include "tools/result_parts.h"
@@ -14,13 +18,9 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-std::size_t resampled(const Mapping& m) {
-  return static_cast<std::size_t>(
-      std::count_if(m.records.begin(), m.records.end(), [](const SlamRecord& r) { return r.resampled; }));
-}
+constexpr double kMiB = 1024.0 * 1024.0, kDegrees = 180.0 / std::numbers::pi;
 
 std::string memory_text(const SlamMemory& memory) {
-  constexpr double kMiB = 1024.0 * 1024.0;
   return fmt::format("{:.1f} MiB of tiles in use, {:.1f} at most, {:.1f} MiB of tables",
                      static_cast<double>(memory.tile_bytes) / kMiB,
                      static_cast<double>(memory.most_tile_bytes) / kMiB,
@@ -45,8 +45,13 @@ std::vector<Fact> main_facts(const SlamResults& results) {
       {"map", fmt::format("{} x {} cells of {} m", m.map.width, m.map.height, m.map.resolution_m)});
   if (results.relations && results.relations->compared > 0)
     facts.push_back({"relation error", tools::relations_text(*results.relations)});
+  if (results.errors && results.errors->compared > 0)
+    facts.push_back(
+        {"error", fmt::format("{:.3f} m and {:.2f} degrees RMSE after alignment, from {} poses",
+                              results.errors->position_rmse_m, kDegrees * results.errors->heading_rmse_rad,
+                              results.errors->compared)});
   facts.push_back({"particles", fmt::format("{}, resampled {} times; {}", m.config.slam.particles,
-                                            resampled(m), depletion_text(m))});
+                                            resampled(m.records), depletion_text(m))});
   facts.push_back({"memory", memory_text(m.memory)});
   facts.push_back({"time", fmt::format("{:.2f} s for {:.2f} s of log ({:.1f} times real time)", m.wall_s,
                                        m.log_s, m.real_time_factor())});
@@ -73,18 +78,93 @@ Json memory_json(const SlamMemory& memory) {
           {"table_bytes", memory.table_bytes}};
 }
 
+Json truth_json(const std::optional<TrackErrors>& errors) {
+  if (!errors) return nullptr;
+  const bool known = errors->compared > 0;
+  const auto value = [&](double v) { return known ? Json(v) : Json(nullptr); };
+  return {{"compared", errors->compared},
+          {"without_truth", errors->without_truth},
+          {"position_rmse_m", value(errors->position_rmse_m)},
+          {"position_mae_m", value(errors->position_mae_m)},
+          {"position_max_m", value(errors->position_max_m)},
+          {"heading_rmse_rad", value(errors->heading_rmse_rad)},
+          {"heading_max_rad", value(errors->heading_max_rad)}};
+}
+
+Json n_eff_json(const std::vector<SlamRecord>& records) {
+  double least = records.front().n_eff, sum = 0.0;
+  for (const SlamRecord& r : records) least = std::min(least, r.n_eff), sum += r.n_eff;
+  return {{"least", least}, {"mean", sum / static_cast<double>(records.size())}};
+}
+
+/// One list per value, an entry per scan that was taken in.
+Json scans_json(const Mapping& m) {
+  Json stamp = Json::array(), n_eff = Json::array(), resampled = Json::array(), tiles = Json::array(),
+       step = Json::array();
+  for (const SlamRecord& r : m.records) {
+    stamp.push_back(r.stamp_s), n_eff.push_back(r.n_eff);
+    resampled.push_back(r.resampled ? 1 : 0), tiles.push_back(r.tiles);
+  }
+  for (const double s : m.step_s) step.push_back(1e3 * s);
+  return {
+      {"stamp_s", stamp}, {"n_eff", n_eff}, {"resampled", resampled}, {"tiles", tiles}, {"step_ms", step}};
+}
+
+std::vector<double> stamps_of(const std::vector<SlamRecord>& records) {
+  std::vector<double> stamps;
+  for (const SlamRecord& r : records) stamps.push_back(r.stamp_s);
+  return stamps;
+}
+
+Plot ancestors_plot(const Mapping& m) {
+  Plot plot{"Ancestors of the last particles", "different poses", PlotScale::automatic, {}, {}, {}, {}};
+  plot.series.push_back(
+      {"", "c1", stamps_of(m.records), std::vector<double>(m.distinct.begin(), m.distinct.end())});
+  plot.levels.push_back({"all particles", "c6", static_cast<double>(m.config.slam.particles)});
+  return plot;
+}
+
+Plot memory_plot(const Mapping& m) {
+  Plot plot{"Tiles of all maps", "MiB", PlotScale::from_zero, {}, {}, {}, {}};
+  std::vector<double> tiles;
+  for (const SlamRecord& r : m.records) tiles.push_back(static_cast<double>(r.tiles * sizeof(Tile)) / kMiB);
+  plot.series.push_back({"", "c1", stamps_of(m.records), tiles});
+  return plot;
+}
+
+std::vector<StepRecord> steps_of(const Mapping& m) {
+  constexpr double unknown = std::numeric_limits<double>::quiet_NaN();
+  std::vector<StepRecord> steps;
+  for (std::size_t k = 0; k < m.records.size(); ++k) {
+    const SlamRecord& r = m.records[k];
+    steps.push_back({r.stamp_s, r.n_eff, unknown, unknown, unknown, 1e3 * m.step_s[k], r.resampled});
+  }
+  return steps;
+}
+
 }  // namespace
+
+void compare_with_truth(SlamResults& results, const Trajectory& truth) {
+  const Trajectory& way = results.mapping.trajectory;
+  if (const std::optional<Pose> T_map_truth = best_alignment(way, truth))
+    results.truth = transformed(*T_map_truth, truth);
+  results.errors = compare_tracks(way, results.truth);
+}
 
 std::string metrics_json(const SlamResults& results) {
   const Mapping& m = results.mapping;
   Json json;
   json["parloc"] = PARLOC_VERSION;
   json["relations"] = tools::relations_json(results.relations);
+  json["truth"] = truth_json(results.errors);
   json["scans"] = m.scans;
   json["scans_taken_in"] = m.records.size();
   json["interrupted"] = m.interrupted;
-  json["resampled"] = resampled(m);
-  json["distinct_ancestors"] = m.distinct;
+  json["distance_m"] = length_m(m.trajectory);
+  json["n_eff"] = n_eff_json(m.records);
+  json["resampled"] = resampled(m.records);
+  json["distinct_ancestors"] = m.distinct;  // by scan taken in
+  json["ancestors_at_quarters"] = quarters(m.distinct);
   json["map"] = {{"width", m.map.width}, {"height", m.map.height}, {"resolution_m", m.map.resolution_m}};
   json["memory"] = memory_json(m.memory);
   json["wall_s"] = m.wall_s;
@@ -93,6 +173,8 @@ std::string metrics_json(const SlamResults& results) {
   const bench::TimeSummary step = bench::summarise(m.step_s);
   json["step_ms_median"] = 1e3 * step.median_s;
   json["step_ms_p99"] = 1e3 * step.p99_s;
+  json["step_ms_max"] = 1e3 * step.most_s;
+  json["taken_in"] = scans_json(m);
   json["warnings"] = {{"broken_lines", m.warnings.broken_lines},
                       {"backward_stamps", m.warnings.backward_stamps},
                       {"beam_count_changes", m.warnings.beam_count_changes},
@@ -118,6 +200,15 @@ RunReport report_of(const SlamResults& results) {
   report.estimate = m.trajectory;
   report.odometry = m.odometry;
   report.particles = static_cast<double>(m.config.slam.particles);
+  report.steps = steps_of(m);
+  report.plots = {ancestors_plot(m), memory_plot(m)};
+  for (const Growth& g : m.growth) report.growth.push_back(moment_of(g));
+  report.growth_note =
+      "Distinct ancestors: how many different poses the particles of that moment have behind them at 0, 25, "
+      "50 "
+      "and 75 % of the scans taken in. Memory: the tiles of all maps together.";
+  report.errors = results.errors;
+  if (!results.truth.empty()) report.truth = results.truth;
   report.resample_below = m.config.slam.resample_threshold * report.particles;
   return report;
 }

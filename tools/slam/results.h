@@ -11,10 +11,15 @@
 namespace parloc::slam {
 
 struct SlamResults {
-  std::string log_path, relations_path, command_line;
+  std::string log_path, relations_path, truth_path, command_line;
   Mapping mapping;
   std::optional<RelationErrors> relations;
+  std::optional<TrackErrors> errors;  ///< After alignment with the truth; nothing without one.
+  Trajectory truth;                   ///< In the map's frame, as far as it could be laid on the way.
 };
+
+/// Lays the truth on the way and compares: a map has no other frame than its own.
+void compare_with_truth(SlamResults& results, const Trajectory& truth);
 
 std::string metrics_json(const SlamResults& results);
 RunReport report_of(const SlamResults& results);
