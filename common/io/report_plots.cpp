@@ -46,7 +46,7 @@ Plot error_plot(const std::string& title, const std::string& unit, const TrackEr
                 const std::vector<double>& sigma) {
   Plot plot{title, unit, PlotScale::symmetric, {}, {}, {}, {}};
   plot.series.push_back({"", "c1", errors.stamp_s, error});
-  if (!steps.empty()) {
+  if (std::any_of(sigma.begin(), sigma.end(), drawable)) {
     plot.bands.push_back(
         {"\xC2\xB1"
          "3 \xCF\x83 of the particles",

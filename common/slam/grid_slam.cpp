@@ -39,6 +39,21 @@ FilterConfig with_own_beams(FilterConfig c) {
   return c;
 }
 
+/// All that the tables cover, row by row; cells without a tile are zero.
+void add_cells(Sha256& sha, const SlamCells& cells) {
+  const std::int32_t i0 = cells.first_i - cells.span.first_i * kTileCells;
+  const std::int32_t j0 = cells.first_j - cells.span.first_j * kTileCells;
+  const auto width = static_cast<std::size_t>(cells.width);
+  std::vector<CellWord> row(static_cast<std::size_t>(cells.span.width) * kTileCells);
+  for (std::int32_t j = 0; j < cells.span.height * kTileCells; ++j) {
+    std::fill(row.begin(), row.end(), 0);
+    if (j >= j0 && j < j0 + cells.height)
+      std::copy_n(cells.cell.begin() + static_cast<std::ptrdiff_t>(static_cast<std::size_t>(j - j0) * width),
+                  width, row.begin() + i0);
+    sha.add(row.data(), row.size() * sizeof(CellWord));
+  }
+}
+
 }  // namespace
 
 struct GridSlam::State {
@@ -192,8 +207,7 @@ std::string GridSlam::digest() const {
   Sha256 sha;
   for (const StampedPose& p : trajectory())
     for (const double v : {p.pose.x_m, p.pose.y_m, p.pose.theta_rad}) sha.add(v);
-  const SlamCells cells = state_->backend->map_of(best());
-  sha.add(cells.cell.data(), cells.cell.size() * sizeof(CellWord));
+  add_cells(sha, state_->backend->map_of(best()));
   return sha.hex();
 }
 

@@ -74,20 +74,40 @@ std::vector<std::uint32_t> moved_tables(const std::vector<std::uint32_t>& table,
   return out;
 }
 
+namespace {
+
+/// The smallest part of the span with all tiles that the table names.
+TileSpan named_part(const TileSpan& span, const std::uint32_t* table) {
+  std::int32_t i0 = span.width, i1 = 0, j0 = span.height, j1 = 0;
+  for (std::int32_t j = 0, k = 0; j < span.height; ++j)
+    for (std::int32_t i = 0; i < span.width; ++i, ++k) {
+      if (table[k] == kNoTile) continue;
+      i0 = std::min(i0, i), i1 = std::max(i1, i + 1), j0 = std::min(j0, j), j1 = j + 1;
+    }
+  return j1 == 0 ? TileSpan{} : TileSpan{span.first_i + i0, span.first_j + j0, i1 - i0, j1 - j0};
+}
+
+}  // namespace
+
 SlamCells gather_cells(const TileSpan& span, const std::uint32_t* table,
                        const std::function<void(std::uint32_t, Tile&)>& read) {
+  const TileSpan part = named_part(span, table);
   SlamCells out;
-  out.first_i = span.first_i * kTileCells, out.first_j = span.first_j * kTileCells;
-  out.width = span.width * kTileCells, out.height = span.height * kTileCells;
+  out.span = span;
+  out.first_i = part.first_i * kTileCells, out.first_j = part.first_j * kTileCells;
+  out.width = part.width * kTileCells, out.height = part.height * kTileCells;
   out.cell.assign(static_cast<std::size_t>(out.width) * static_cast<std::size_t>(out.height), 0);
   Tile tile;
-  for (std::size_t k = 0; k < span.size(); ++k) {
-    if (table[k] == kNoTile) continue;
-    read(table[k], tile);
-    const std::size_t width = static_cast<std::size_t>(span.width);
-    const std::size_t first = k / width * kTileCells * width * kTileCells + k % width * kTileCells;
-    for (std::size_t j = 0; j < kTileCells; ++j)
-      std::copy_n(tile.cell + j * kTileCells, kTileCells, out.cell.data() + first + j * width * kTileCells);
+  for (std::size_t k = 0; k < part.size(); ++k) {
+    const std::size_t width = static_cast<std::size_t>(part.width), i = k % width, j = k / width;
+    const std::uint32_t id = table[span.place(out.first_i + static_cast<std::int32_t>(i) * kTileCells,
+                                              out.first_j + static_cast<std::int32_t>(j) * kTileCells)];
+    if (id == kNoTile) continue;
+    read(id, tile);
+    const std::size_t first = j * kTileCells * width * kTileCells + i * kTileCells;
+    for (std::size_t row = 0; row < kTileCells; ++row)
+      std::copy_n(tile.cell + row * kTileCells, kTileCells,
+                  out.cell.data() + first + row * width * kTileCells);
   }
   return out;
 }

@@ -27,10 +27,11 @@ struct SlamStep {
   std::size_t table_bytes = 0;  ///< Of all tables.
 };
 
-/// One particle's map in host memory: the cells of a rectangle.
+/// One particle's map in host memory: the cells of the smallest rectangle of tiles that holds all it has.
 struct SlamCells {
   std::int32_t first_i = 0, first_j = 0, width = 0, height = 0;  ///< [cells]
   std::vector<CellWord> cell;                                    ///< Row-major.
+  TileSpan span;                                                 ///< What the tables cover.
 };
 
 class SlamBackend {

@@ -45,11 +45,6 @@ std::vector<Fact> main_facts(const SlamResults& results) {
       {"map", fmt::format("{} x {} cells of {} m", m.map.width, m.map.height, m.map.resolution_m)});
   if (results.relations && results.relations->compared > 0)
     facts.push_back({"relation error", tools::relations_text(*results.relations)});
-  if (results.errors && results.errors->compared > 0)
-    facts.push_back(
-        {"error", fmt::format("{:.3f} m and {:.2f} degrees RMSE after alignment, from {} poses",
-                              results.errors->position_rmse_m, kDegrees * results.errors->heading_rmse_rad,
-                              results.errors->compared)});
   facts.push_back({"particles", fmt::format("{}, resampled {} times; {}", m.config.slam.particles,
                                             resampled(m.records), depletion_text(m))});
   facts.push_back({"memory", memory_text(m.memory)});
@@ -194,6 +189,8 @@ RunReport report_of(const SlamResults& results) {
   report.title = fmt::format("Map of {}", results.log_path);
   report.command_line = results.command_line;
   report.summary = main_facts(results);
+  if (results.errors)
+    report.summary.push_back({"truth", results.truth_path + ", turned and moved to where it fits best"});
   report.details = {tools::config_facts(m.config)};
   report.warnings = warning_lines(m);
   report.map = &m.map;
@@ -214,8 +211,14 @@ RunReport report_of(const SlamResults& results) {
 }
 
 std::string summary_text(const SlamResults& results) {
+  std::vector<Fact> facts = main_facts(results);
+  if (results.errors && results.errors->compared > 0)
+    facts.push_back(
+        {"error", fmt::format("{:.3f} m and {:.2f} degrees RMSE after alignment, from {} poses",
+                              results.errors->position_rmse_m, kDegrees * results.errors->heading_rmse_rad,
+                              results.errors->compared)});
   std::string text;
-  for (const Fact& fact : main_facts(results)) text += fmt::format("{:<16}{}\n", fact.key, fact.value);
+  for (const Fact& fact : facts) text += fmt::format("{:<16}{}\n", fact.key, fact.value);
   for (const std::string& line : warning_lines(results.mapping))
     text += fmt::format("{:<16}{}\n", "warning", line);
   return text;
