@@ -46,7 +46,7 @@ path{fill:none;vector-effect:non-scaling-stroke;stroke-linejoin:round;stroke-lin
 .c1{stroke:var(--c1)}.c2{stroke:var(--c2)}.c3{stroke:var(--c3)}.c4{stroke:var(--c4)}.c5{stroke:var(--c5)}
 .c6{stroke:var(--c6)}
 .map{position:relative;margin:0 auto;background:var(--page);border:1px solid var(--rule)}
-.cells{image-rendering:pixelated}
+.map,.closeups{image-rendering:pixelated}
 .truth{stroke-width:5.5px}
 .estimate{stroke-width:1.8px}
 .odometry{stroke-width:1.6px;stroke-dasharray:6 4}
@@ -77,9 +77,9 @@ output{white-space:nowrap;font-variant-numeric:tabular-nums}
 .frames svg{border:1px solid var(--rule);background:var(--page)}
 .frames use{stroke-width:1px}
 .frames .chosen svg{outline:2px solid var(--c4)}
-.told{display:grid;grid-template-columns:repeat(auto-fit,minmax(7.5rem,1fr));gap:.5rem 1.2rem;margin:.6rem 0 0}
+.told{display:grid;grid-template-columns:repeat(auto-fit,minmax(8.5rem,1fr));gap:.5rem 1.2rem;margin:.6rem 0 0}
 .told dt{color:var(--soft);font-size:.8rem}
-.told dd{margin:0;font-weight:600;font-variant-numeric:tabular-nums}
+.told dd{margin:0;white-space:nowrap;font-weight:600;font-variant-numeric:tabular-nums}
 button{font:inherit;min-width:4.6rem;padding:.15rem .7rem;border:1px solid var(--rule);border-radius:.4rem;
 background:var(--panel);color:var(--text);cursor:pointer}
 [hidden]{display:none!important}
