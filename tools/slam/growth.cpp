@@ -31,6 +31,15 @@ GridMap shrunk(const GridMap& map, std::int32_t most_cells) {
   return small;
 }
 
+std::vector<Particle> drawn_of(const std::vector<Pose>& poses) {
+  std::vector<Particle> particles;
+  const std::size_t stride = (poses.size() + Snapshot::max_particles - 1) / Snapshot::max_particles;
+  for (std::size_t k = 0; k < poses.size(); k += stride)
+    particles.push_back({static_cast<float>(poses[k].x_m), static_cast<float>(poses[k].y_m),
+                         static_cast<float>(poses[k].theta_rad), 1.0F});
+  return particles;
+}
+
 Trajectory thinned(const Trajectory& way, std::size_t most) {
   if (way.size() <= most) return way;
   Trajectory out;
@@ -68,13 +77,12 @@ Growth growth_of(const GridSlam& slam, std::size_t scans) {
   Growth g;
   g.state.stamp_s = way.back().stamp_s;
   g.state.pose = way.back().pose;
-  for (const Pose& p : slam.poses())
-    g.state.particles.push_back(
-        {static_cast<float>(p.x_m), static_cast<float>(p.y_m), static_cast<float>(p.theta_rad), 1.0F});
+  g.state.particles = drawn_of(slam.poses());
   g.map = shrunk(slam.map(), Growth::most_cells);
   g.path = thinned(way, Growth::most_poses);
   g.distance_m = length_m(way);
   g.scans = scans, g.taken_in = records.size(), g.resampled = resampled(records);
+  g.particles = static_cast<std::size_t>(slam.config().slam.particles);
   g.n_eff = records.back().n_eff;
   g.distinct = quarters(slam.distinct_ancestors());
   g.memory = slam.memory();
@@ -87,7 +95,7 @@ MapMoment moment_of(const Growth& g) {
           g.path,
           {{"scans taken in", fmt::format("{} of {}", g.taken_in, g.scans)},
            {"distance", fmt::format("{:.1f} m", g.distance_m)},
-           {"N_eff", fmt::format("{:.1f} of {}", g.n_eff, g.state.particles.size())},
+           {"N_eff", fmt::format("{:.1f} of {}", g.n_eff, g.particles)},
            {"resampled", fmt::format("{} times", g.resampled)},
            {"distinct ancestors", fmt::format("{}", fmt::join(g.distinct, ", "))},
            {"memory", mebibytes(g.memory.tile_bytes)}}};

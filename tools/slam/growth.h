@@ -12,12 +12,13 @@ namespace parloc::slam {
 
 /// The work at one moment.
 struct Growth {
-  Snapshot state;  ///< Of the last scan that was taken in: all particles, the pose of the most likely one.
+  Snapshot state;  ///< Of the last scan that was taken in: the most likely one's pose, as many of all as are
+                   ///< drawn.
   GridMap
       map;  ///< The most likely particle's; cells are merged when there are more than `most_cells` a side.
   Trajectory path;          ///< Its way, at most `most_poses` of it, evenly.
   double distance_m = 0.0;  ///< Along the whole way.
-  std::size_t scans = 0, taken_in = 0, resampled = 0;
+  std::size_t scans = 0, taken_in = 0, resampled = 0, particles = 0;
   double n_eff = 0.0;
   /// How many different poses the particles have behind them at 0, 25, 50 and 75 % of the scans taken in.
   std::array<std::size_t, 4> distinct{};
