@@ -1,6 +1,7 @@
 #include "tools/progress.h"
 
 #include <fmt/format.h>
+#include <sys/ioctl.h>
 #include <unistd.h>
 
 #include <algorithm>
@@ -8,6 +9,14 @@
 #include <string>
 
 namespace parloc::tools {
+namespace {
+
+std::size_t terminal_columns() {
+  winsize size{};
+  return ioctl(STDERR_FILENO, TIOCGWINSZ, &size) == 0 && size.ws_col > 1 ? size.ws_col : 80;
+}
+
+}  // namespace
 
 Progress::Style Progress::style_here(bool quiet) {
   if (quiet) return Style::silent;
@@ -43,12 +52,13 @@ void Progress::update(double fraction, std::string_view note) {
 void Progress::draw_bar(double fraction, std::string_view note, double elapsed_s) const {
   constexpr int width = 30;
   const int filled = static_cast<int>(fraction * width);
+  std::string line =
+      fmt::format("[{:#<{}}{:.<{}}] {:3.0f} %  ", "", filled, "", width - filled, 100.0 * fraction);
   // A guess from less than 2 % jumps about too much to be worth showing.
-  const std::string left = fraction > 0.02
-                               ? fmt::format("  {:.0f} s left", elapsed_s * (1.0 - fraction) / fraction)
-                               : std::string();
-  fmt::print(stderr, "\r[{:#<{}}{:.<{}}] {:3.0f} %  {}{}\033[K", "", filled, "", width - filled,
-             100.0 * fraction, note, left);
+  if (fraction > 0.02) line += fmt::format("{:.0f} s left  ", elapsed_s * (1.0 - fraction) / fraction);
+  line += note;
+  // What is wider than the terminal would go on in a line that is not redrawn.
+  fmt::print(stderr, "\r{}\033[K", line.substr(0, terminal_columns() - 1));
   std::fflush(stderr);
 }
 
