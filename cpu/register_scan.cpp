@@ -2,13 +2,6 @@
 #include "cpu/slam_stages.h"
 
 namespace parloc::cpu {
-namespace {
-
-struct PlainAdd {
-  PARLOC_HD void operator()(CellWord* at, CellWord more) const { *at += more; }
-};
-
-}  // namespace
 
 void register_scan(const DrawRules& rules, const MatchRules& match, const Beams& beams, const SlamMaps& maps,
                    const Particles& p, const std::uint8_t* touched, Workers& workers) {

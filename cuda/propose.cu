@@ -12,9 +12,9 @@ struct Propose {
     unsigned char proposer[sizeof(Proposer)];
     MatchPose pose[Proposer::kMostPoses];
     std::uint32_t sum[Proposer::kMostPoses];  ///< Two's complement, so that sums of either sign wrap alike.
-    double log[Proposer::kMostPoses];
+    Proposer::Room room;
     int wanted;
-    bool score;
+    Ask ask;
   };
   ProposeRules rules;
   Beams beams;
@@ -22,38 +22,36 @@ struct Propose {
   Particles p;
   float* likelihood;
 
-  PARLOC_HD int phases() const { return 2 + 2 * Proposer::kMostRounds; }
+  PARLOC_HD int phases() const { return 2 + 2 * Proposer::most_rounds(rules); }
   PARLOC_HD void operator()(const Thread& me, int phase, Shared& s) const {
     const std::size_t i = me.block;
     if (i >= p.count()) return;
-    if (phase % 2 == 1) return sum_beams(me, maps.of(i), s);
+    if (phase % 2 == 1) return answer(me, maps.of(i), s);
     if (me.thread > 0 || (phase > 0 && s.wanted == 0)) return;
     Proposer& proposer = *reinterpret_cast<Proposer*>(s.proposer);
     if (phase == 0) {
       proposer = Proposer{};
       proposer.begin(slam_pose(p, i), static_cast<std::uint32_t>(i), rules);
     } else {
-      proposer.take(reinterpret_cast<const std::int32_t*>(s.sum), s.log, rules);
+      proposer.take(reinterpret_cast<const std::int32_t*>(s.sum), s.room, rules);
     }
-    ask(proposer, s);
+    put_question(proposer, s);
     if (s.wanted == 0) put(proposer, i);
   }
 
  private:
-  PARLOC_HD void ask(const Proposer& proposer, Shared& s) const {
+  PARLOC_HD void put_question(const Proposer& proposer, Shared& s) const {
     s.wanted = proposer.wanted();
-    s.score = proposer.ask() == Proposer::Ask::score;
+    s.ask = proposer.ask();
     for (int k = 0; k < s.wanted; ++k) {
       s.pose[k] = match_pose(proposer.candidate(k, rules), rules.match);
       s.sum[k] = 0;
     }
   }
-  PARLOC_HD void sum_beams(const Thread& me, const TileMap& map, Shared& s) const {
+  PARLOC_HD void answer(const Thread& me, const TileMap& map, Shared& s) const {
     for (unsigned k = me.thread / kLanes; k < static_cast<unsigned>(s.wanted); k += kThreads / kLanes) {
-      std::int32_t sum = 0;
-      for (std::size_t m = me.thread % kLanes; m < beams.hits; m += kLanes)
-        sum += s.score ? match_term(map, beams, m, s.pose[k], rules.match, ScoreTerm{})
-                       : match_term(map, beams, m, s.pose[k], rules.match, LikelihoodTerm{});
+      const std::int32_t sum =
+          sum_beams(map, beams, s.pose[k], rules.match, s.ask, me.thread % kLanes, kLanes);
       atomic_add(&s.sum[k], static_cast<std::uint32_t>(sum));
     }
   }

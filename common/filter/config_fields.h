@@ -295,6 +295,11 @@ void visit_fields(Config& c, Visitor&& visit) {
   visit(Field{"slam", "beta_weight", "Exponent of a scan's likelihood in the weights"}, l.beta_weight,
         Real{0, 1, true});
   visit(Field{"slam", "beta_proposal", "... in the gaussian proposal"}, l.beta_proposal, Real{0, 1, true});
+  visit(Field{"slam", "search_xy", "The matcher first searches all poses so far around [m]"}, l.search_xy,
+        Real{0, 5});
+  visit(Field{"slam", "search_theta", "... [rad]; both 0: it only climbs"}, l.search_theta, Real{0, 3.1416});
+  visit(Field{"slam", "search_bias", "Score per beam that a pose at its rim must have more"}, l.search_bias,
+        Real{0, 1});
   visit(Field{"slam", "step_xy", "First step of the scan matcher [m]"}, l.step_xy, Real{0, 1, true});
   visit(Field{"slam", "step_theta", "... [rad]"}, l.step_theta, Real{0, 1, true});
   visit(Field{"slam", "iterations", "Times that it halves its steps"}, l.iterations, Int{1, 20});

@@ -45,6 +45,11 @@ struct DrawCell {
   }
 };
 
+/// Where nobody else draws at the same time.
+struct PlainAdd {
+  PARLOC_HD void operator()(CellWord* at, CellWord more) const { *at += more; }
+};
+
 /// After a scan: counts kept within their limits, and the bits of a row made anew.
 PARLOC_HD void tidy_row(Tile& tile, std::int32_t j) {
   std::uint32_t row = 0;

@@ -4,6 +4,7 @@
 
 #include "common/slam/gaussian_proposal.h"
 #include "common/slam/hill_climb.h"
+#include "common/slam/match_sums.h"
 #include "common/slam/slam_config.h"
 
 namespace parloc {
@@ -11,6 +12,7 @@ namespace parloc {
 struct ProposeRules {
   SlamProposal proposal = SlamProposal::scan_match;
   MatchRules match;
+  SearchRules search;
   ClimbRules climb;
   ProposalBox box;
   float beta_weight = 0, beta_proposal = 1;
@@ -23,9 +25,16 @@ struct ProposeRules {
 
 class Proposer {
  public:
-  static constexpr int kMostPoses = kBoxPoints;
-  static constexpr int kMostRounds = HillClimb::kMostRounds + 1;
-  enum class Ask { score, likelihood };
+  static constexpr int kMostPoses = WideSearch::kBatch;
+  static_assert(kBoxPoints <= kMostPoses && WideSearch::kBlock * WideSearch::kBlock <= kMostPoses);
+  PARLOC_HD static int most_rounds(const ProposeRules& r) {
+    return HillClimb::kMostRounds + 1 + (r.search.any() ? WideSearch::kMostRounds : 0);
+  }
+  /// Memory from round to round.
+  struct Room {
+    double log[kMostPoses];
+    std::int32_t bound[WideSearch::kMostBlocks];
+  };
 
   PARLOC_HD void begin(const SlamPose& pose, std::uint32_t slot, const ProposeRules& r) {
     least_score_ = r.min_score * static_cast<float>(r.beams);
@@ -47,30 +56,40 @@ class Proposer {
     stage_ = r.beams == 0 ? Stage::end : Stage::likelihood;
     if (stage_ == Stage::end && r.proposal == SlamProposal::gaussian) pose_ = drawn(pose, slot, r);
     if (stage_ == Stage::likelihood && r.proposal != SlamProposal::motion) {
-      stage_ = Stage::climb;
+      stage_ = r.search.any() ? Stage::search : Stage::climb;
+      search_.begin(pose_, r.search, r.beams);
       climb_.begin(pose_, r.climb);
     }
   }
   PARLOC_HD bool done() const { return stage_ == Stage::end; }
-  PARLOC_HD Ask ask() const { return stage_ == Stage::climb ? Ask::score : Ask::likelihood; }
+  PARLOC_HD Ask ask() const {
+    if (stage_ == Stage::search && search_.asks_bounds()) return Ask::bound;
+    return stage_ == Stage::climb || stage_ == Stage::search ? Ask::score : Ask::likelihood;
+  }
   PARLOC_HD int wanted() const {
-    return stage_ == Stage::climb ? climb_.wanted()
-           : stage_ == Stage::box ? kBoxPoints
-           : stage_ == Stage::end ? 0
-                                  : 1;
+    return stage_ == Stage::search  ? search_.wanted()
+           : stage_ == Stage::climb ? climb_.wanted()
+           : stage_ == Stage::box   ? kBoxPoints
+           : stage_ == Stage::end   ? 0
+                                    : 1;
   }
   PARLOC_HD SlamPose candidate(int k, const ProposeRules& r) const {
+    if (stage_ == Stage::search) return search_.candidate(k, r.search);
     if (stage_ == Stage::climb) return climb_.candidate(k);
     if (stage_ == Stage::box) return pose_of(box_plus(vector_of(pose_), r.box.offset(k)));
     return pose_;
   }
-  /// `log`: room for kMostPoses.
-  PARLOC_HD void take(const std::int32_t* sum, double* log, const ProposeRules& r) {
-    if (stage_ == Stage::climb) {
+  PARLOC_HD void take(const std::int32_t* sum, Room& room, const ProposeRules& r) {
+    if (stage_ == Stage::search) {
+      search_.take(sum, room.bound, r.search);
+      if (!search_.done()) return;
+      stage_ = Stage::climb;
+      climb_.begin(search_.pose(), r.climb);
+    } else if (stage_ == Stage::climb) {
       climb_.take(sum);
       if (climb_.done()) finish_climb(r);
     } else if (stage_ == Stage::box) {
-      finish_box(sum, log, r);
+      finish_box(sum, room.log, r);
     } else {
       log_weight_ = r.beta_weight * nats(sum[0]);
       stage_ = Stage::end;
@@ -80,7 +99,7 @@ class Proposer {
   PARLOC_HD float log_weight() const { return log_weight_; }
 
  private:
-  enum class Stage { climb, box, likelihood, end };
+  enum class Stage { search, climb, box, likelihood, end };
 
   PARLOC_HD static float nats(std::int32_t sum) { return static_cast<float>(sum) / kScoreUnits; }
   PARLOC_HD static Vector3 vector_of(const SlamPose& p) {
@@ -124,6 +143,7 @@ class Proposer {
     stage_ = Stage::end;
   }
 
+  WideSearch search_;
   HillClimb climb_;
   SlamPose pose_, before_;
   Vector3 predicted_;

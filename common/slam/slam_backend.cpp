@@ -1,9 +1,35 @@
 #include "common/slam/slam_backend.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
 
+#include "common/error.h"
+
 namespace parloc {
+
+SearchRules bind_search_rules(const SlamConfig& c, double reach_m, double reach_rad, double bias) {
+  constexpr double kFinest_rad =
+      0.015;  // half of it moves an end point 10 m away by 7.5 cm: the climb gets it
+  SearchRules r;
+  r.bias = static_cast<float>(bias);
+  r.resolution_m = static_cast<float>(c.resolution);
+  r.cells = static_cast<std::int32_t>(std::ceil(reach_m / c.resolution));
+  r.turns = static_cast<std::int32_t>(std::ceil(reach_rad / kFinest_rad));
+  r.step_theta = r.turns > 0 ? static_cast<float>(reach_rad / r.turns) : 0.0f;
+  r.inv_cells_sq = r.cells > 0 ? 1.0f / static_cast<float>(r.cells * r.cells) : 0.0f;
+  r.inv_turns_sq = r.turns > 0 ? 1.0f / static_cast<float>(r.turns * r.turns) : 0.0f;
+  const std::int64_t along = WideSearch::blocks_along(r.cells);
+  const std::int64_t blocks = (2 * std::int64_t{r.turns} + 1) * along * along;
+  if (blocks > WideSearch::kMostBlocks)
+    throw Error(
+        ErrorKind::config,
+        fmt::format("slam.search_xy, slam.search_theta: expected a window of at most {} blocks of {} x "
+                    "{} cells, got {}",
+                    WideSearch::kMostBlocks, WideSearch::kBlock, WideSearch::kBlock, blocks));
+  return r;
+}
 
 ProposeRules bind_propose_rules(const SlamConfig& c) {
   const double cell_sq = c.resolution * c.resolution;
@@ -14,6 +40,7 @@ ProposeRules bind_propose_rules(const SlamConfig& c) {
   r.match.score_rate = static_cast<float>(-cell_sq / c.sigma_score);
   r.match.likelihood_rate = static_cast<float>(-cell_sq / c.sigma_likelihood);
   r.match.no_match = static_cast<std::int32_t>(-0.5 / c.sigma_likelihood * static_cast<double>(kScoreUnits));
+  r.search = bind_search_rules(c, c.search_xy, c.search_theta, c.search_bias);
   r.climb = {static_cast<float>(c.step_xy), static_cast<float>(c.step_theta), c.iterations};
   r.box = {c.box_xy, c.box_theta};
   r.beta_weight = static_cast<float>(c.beta_weight);

@@ -46,6 +46,8 @@ class SlamBackend {
 };
 
 /// Rules of a configuration; the scan's and the step's part is left open.
+/// Of a search so far around. Throws Error{config} for a window too large.
+SearchRules bind_search_rules(const SlamConfig& config, double reach_m, double reach_rad, double bias);
 ProposeRules bind_propose_rules(const SlamConfig& config);
 DrawRules bind_draw_rules(const SlamConfig& config);
 /// The part of one step; `rules.motion` and `rules.key` are given. `empty`: no map has a cell yet.

@@ -27,6 +27,9 @@ struct SlamConfig {
   double resample_threshold = 0.5;    ///< Resample when N_eff < threshold * N; 1 or more: every scan.
   double beta_weight = 0.005;         ///< Exponent of a scan's likelihood in the weights.
   double beta_proposal = 1.0;         ///< ... in the Gaussian proposal.
+  double search_xy = 0.0;             ///< Before it climbs, the matcher searches so far around [m] ...
+  double search_theta = 0.0;          ///< ... [rad]; both 0: it only climbs.
+  double search_bias = 0.25;          ///< Score per beam that a pose at its rim must have more.
   double step_xy = 0.05;              ///< First step of the scan matcher [m] ...
   double step_theta = 0.05;           ///< ... [rad]
   int iterations = 7;                 ///< Times that it halves its steps.

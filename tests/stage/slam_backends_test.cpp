@@ -97,12 +97,19 @@ bool has_visits(const SlamCells& map, std::int32_t i0, std::int32_t j0) {
   return false;
 }
 
-class SlamBackends : public testing::TestWithParam<SlamProposal> {
+struct Way {
+  SlamProposal proposal;
+  bool search;  ///< Wide, before the matcher climbs.
+};
+
+class SlamBackends : public testing::TestWithParam<Way> {
  protected:
   SlamBackendConfig config(std::int64_t particles, int threads) const {
     SlamBackendConfig c;
     c.slam.particles = particles;
-    c.slam.proposal = GetParam();
+    c.slam.proposal = GetParam().proposal;
+    c.slam.search_xy = GetParam().search ? 0.55 : 0.0;  // 3 x 3 blocks, the last of them cut
+    c.slam.search_theta = GetParam().search ? 0.1 : 0.0;
     c.slam.usable_range = 4.0;  // some beams are cut
     c.slam.beta_weight = 0.5;   // so that it resamples
     c.threads = threads;
@@ -148,7 +155,8 @@ TEST_P(SlamBackends, ParticlesDifferAndAreResampled) {
 TEST_P(SlamBackends, ParticlesShareTiles) {
   SlamBackendConfig near = config(40, 1);
   near.slam.usable_range = 1.5;
-  near.slam.resample_threshold = 1.0;  // every step
+  near.slam.search_xy = near.slam.search_theta = 0.0;  // it would hold on to the little that is known
+  near.slam.resample_threshold = 1.0;                  // every step
   std::vector<std::string> rows(40, std::string(600, '.'));
   rows.front() = rows.back() = std::string(600, '#');
   for (std::size_t i = 0; i < 600; ++i)  // posts on both walls, without which a scan says nothing of the way
@@ -190,14 +198,19 @@ TEST_P(SlamBackends, GpuEqualsCpu) {
   expect_same(cpu(40, 2), run(*gpu, config(40, 1)));
 }
 
-std::string name_of(const testing::TestParamInfo<SlamProposal>& tested) {
-  return tested.param == SlamProposal::motion       ? "motion"
-         : tested.param == SlamProposal::scan_match ? "scan_match"
-                                                    : "gaussian";
+std::string name_of(const testing::TestParamInfo<Way>& tested) {
+  const SlamProposal p = tested.param.proposal;
+  const std::string name = p == SlamProposal::motion       ? "motion"
+                           : p == SlamProposal::scan_match ? "scan_match"
+                                                           : "gaussian";
+  return tested.param.search ? name + "_search" : name;
 }
 INSTANTIATE_TEST_SUITE_P(All, SlamBackends,
-                         testing::Values(SlamProposal::motion, SlamProposal::scan_match,
-                                         SlamProposal::gaussian),
+                         testing::Values(Way{SlamProposal::motion, false},
+                                         Way{SlamProposal::scan_match, false},
+                                         Way{SlamProposal::gaussian, false},
+                                         Way{SlamProposal::scan_match, true},
+                                         Way{SlamProposal::gaussian, true}),
                          name_of);
 
 }  // namespace

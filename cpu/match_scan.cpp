@@ -1,0 +1,39 @@
+#include "cpu/match_scan.h"
+
+#include "cpu/parallel.h"
+
+namespace parloc::cpu {
+
+ScanMatch match_scan(const MatchScanRules& rules, const TileMap& map, const Beams& beams,
+                     const SlamPose& start) {
+  ScanMatch found{start, 0.0f};
+  std::size_t matched = 0;
+  for (std::size_t m = 0; m < beams.hits; ++m) matched += beams.range_m[m] <= rules.match.usable_m ? 1 : 0;
+  if (matched == 0) return found;
+  const auto sums = [&](const auto& search, Ask ask, std::int32_t* sum, const auto& candidate) {
+    for (int k = 0, n = search.wanted(); k < n; ++k)
+      sum[k] = sum_beams(map, beams, match_pose(candidate(k), rules.match), rules.match, ask, 0, 1);
+  };
+  const StrictFloat strict;
+  run_simd([&]() PARLOC_SIMD_LOOP {
+    std::int32_t sum[WideSearch::kBatch], bound[WideSearch::kMostBlocks];
+    WideSearch search;
+    search.begin(start, rules.search, matched);
+    while (rules.search.any() && !search.done()) {
+      sums(search, search.asks_bounds() ? Ask::bound : Ask::score, sum,
+           [&](int k) { return search.candidate(k, rules.search); });
+      search.take(sum, bound, rules.search);
+    }
+    HillClimb climb;
+    climb.begin(search.pose(), rules.climb);
+    while (!climb.done()) {
+      sums(climb, Ask::score, sum, [&](int k) { return climb.candidate(k); });
+      climb.take(sum);
+    }
+    found.pose = climb.pose();
+    found.fit = static_cast<float>(climb.score()) / (kScoreUnits * static_cast<float>(matched));
+  });
+  return found;
+}
+
+}  // namespace parloc::cpu

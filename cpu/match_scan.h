@@ -1,0 +1,23 @@
+// One scan against one map, on the host: what `propose` does for a particle, without odometry and weights.
+#pragma once
+
+#include "common/slam/propose.h"
+
+namespace parloc::cpu {
+
+struct MatchScanRules {
+  MatchRules match;
+  SearchRules search;
+  ClimbRules climb;
+};
+
+struct ScanMatch {
+  SlamPose pose;
+  float fit = 0;  ///< Mean score of the beams that are matched: 1 if all ended where earlier ones did.
+};
+
+/// From `start`, a search of the window and a climb. Deterministic.
+ScanMatch match_scan(const MatchScanRules& rules, const TileMap& map, const Beams& beams,
+                     const SlamPose& start);
+
+}  // namespace parloc::cpu
