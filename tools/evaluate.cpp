@@ -1,4 +1,5 @@
-// parloc evaluate: many trials of the localizer, simulated or from a log, and what they say together.
+// parloc evaluate: many trials of the localizer, simulated or from a log, and what they say together; or the
+// relation error of a trajectory.
 #include <fmt/format.h>
 
 #include <CLI/CLI.hpp>
@@ -10,6 +11,7 @@
 #include <memory>
 #include <string>
 #include <thread>
+#include <utility>
 #include <vector>
 
 #include "common/error.h"
@@ -21,6 +23,7 @@
 #include "tools/evaluate/evaluation.h"
 #include "tools/evaluate/run_trials.h"
 #include "tools/evaluate/trial_source.h"
+#include "tools/evaluate_relations.h"
 #include "tools/interrupt.h"
 #include "tools/load_map.h"
 #include "tools/output_folder.h"
@@ -37,15 +40,15 @@ using evaluate::TrialSource;
 /// The command line; what was not given is empty.
 struct EvaluateOptions {
   std::string scenario, log, map, truth, task, trials, starts, seed, duration, limit, config, particles,
-      range, fov, jobs, samples, out;
-  bool quiet = false;
+      range, fov, jobs, samples, trajectory, relations, dataset, out;
+  bool json = false, quiet = false;
 };
 
 void declare(CLI::App& app, EvaluateOptions& o) {
   add_text_option(app, "--scenario", o.scenario, "S.yaml", "Simulate its LiDAR, odometry and clutter");
   add_text_option(app, "--log", o.log, "LOG", "Or take a recorded log, ...");
-  add_text_option(app, "--truth", o.truth, "T.tum", "... with its true path, ...");
-  add_text_option(app, "--starts", o.starts, "K", "... from K times spread over it (20)");
+  add_text_option(app, "--truth", o.truth, "T.tum", "... with its true path, from --starts K times (20)");
+  add_text_option(app, "--starts", o.starts, "K", "Spread over the log")->group("");
   add_text_option(app, "--map", o.map, "M.yaml", "Map to localize on (the scenario's)");
   add_text_option(app, "--task", o.task, "WHAT", "global, kidnap or track (global)");
   add_text_option(app, "--trials", o.trials, "N", "How many (100; of a log, all starts)");
@@ -54,12 +57,16 @@ void declare(CLI::App& app, EvaluateOptions& o) {
   add_text_option(app, "--limit", o.limit, "S", "Success: localized by then (3; kidnap 5)");
   add_text_option(app, "--config", o.config, "C.yaml", "Settings of the filter");
   add_text_option(app, "--particles", o.particles, "N", "Instead of the configuration's");
-  add_text_option(app, "--range", o.range, "M", "Of the first LiDAR, instead of the scenario's");
-  add_text_option(app, "--fov", o.fov, "DEG", "Likewise; its beams stay");
+  add_text_option(app, "--range", o.range, "M", "Of the first LiDAR; --fov DEG likewise, its beams stay");
+  add_text_option(app, "--fov", o.fov, "DEG", "Of the first LiDAR; its beams stay")->group("");
   add_text_option(app, "--jobs", o.jobs, "K", "Trials at once (all cores)");
   add_text_option(app, "--samples", o.samples, "F.csv", "Write every scan of every trial there");
-  add_text_option(app, "--out", o.out, "DIR", "Write evaluate.json and report.html there");
-  app.add_flag("--quiet", o.quiet, "No progress and no tables");
+  add_text_option(app, "--trajectory", o.trajectory, "T.tum", "Or no trials: judge this trajectory ...");
+  add_text_option(app, "--relations", o.relations, "R.txt", "... by relations (--dataset NAME: of that log)");
+  add_text_option(app, "--dataset", o.dataset, "NAME", "Published figures of that log beside")->group("");
+  add_text_option(app, "--out", o.out, "DIR", "Write report.html and a JSON file there");
+  app.add_flag("--json", o.json, "The JSON on standard output")->group("");
+  app.add_flag("--quiet", o.quiet, "No progress and no tables; --json: the JSON instead");
   app.get_help_ptr()->group("");  // whoever reads the list knows it
   app.footer("docs/evaluate.md");
 }
@@ -98,9 +105,34 @@ LocalizerConfig config_of(const EvaluateOptions& o) {
   return c;
 }
 
+bool asks_for_relations(const EvaluateOptions& o) {
+  return !o.relations.empty() || !o.trajectory.empty() || !o.dataset.empty();
+}
+
+/// Of a command line that asks for relations.
+RelationsOptions relations_options(const EvaluateOptions& o) {
+  if (o.relations.empty() || o.trajectory.empty())
+    throw Error(ErrorKind::usage, "expected --relations R.txt and --trajectory T.tum together");
+  const std::pair<const char*, const std::string&> of_trials[] = {
+      {"--scenario", o.scenario}, {"--log", o.log},       {"--map", o.map},
+      {"--truth", o.truth},       {"--task", o.task},     {"--trials", o.trials},
+      {"--starts", o.starts},     {"--seed", o.seed},     {"--duration", o.duration},
+      {"--limit", o.limit},       {"--config", o.config}, {"--particles", o.particles},
+      {"--range", o.range},       {"--fov", o.fov},       {"--jobs", o.jobs},
+      {"--samples", o.samples}};
+  for (const auto& [name, value] : of_trials)
+    if (!value.empty())
+      throw Error(
+          ErrorKind::usage,
+          fmt::format("{} belongs to trials, of which --relations has none: expected one or the other",
+                      name));
+  return {o.trajectory, o.relations, o.dataset, o.out, o.json, o.quiet};
+}
+
 void check_options(const EvaluateOptions& o) {
   const auto usage = [](const char* words) { return Error(ErrorKind::usage, words); };
-  if (o.scenario.empty() == o.log.empty()) throw usage("expected --scenario or --log, and not both");
+  if (o.scenario.empty() == o.log.empty())
+    throw usage("expected --scenario or --log, and not both; or --relations and --trajectory");
   if (o.log.empty()) {
     if (!o.truth.empty() || !o.starts.empty())
       throw usage("--truth and --starts belong to a log: expected --log");
@@ -179,6 +211,7 @@ void check_writable(const std::string& path) {
 }
 
 int run(const EvaluateOptions& o, const std::string& typed) {
+  if (asks_for_relations(o)) return evaluate_relations(relations_options(o), typed);
   // Everything that can be wrong is looked at before the long work.
   check_options(o);
   Evaluation e;
@@ -204,7 +237,9 @@ int run(const EvaluateOptions& o, const std::string& typed) {
     return kExitInterrupted;
   }
   write_results(e, map, out.get(), o.samples);
-  if (!o.quiet) {
+  if (o.json) {
+    std::fputs(evaluate::json_text(e).c_str(), stdout);
+  } else if (!o.quiet) {
     fmt::print("{}", evaluate::terminal_text(e));
     if (out) fmt::print("{:<18}{} (beside it: {})\n", "report", out->final_path(kPage), kJson);
   }

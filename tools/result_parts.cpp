@@ -78,8 +78,14 @@ Json relations_json(const std::optional<RelationErrors>& errors) {
           {"without_pose", errors->without_pose},
           {"translation_mean_m", value(errors->translation_mean_m)},
           {"translation_std_m", value(errors->translation_std_m)},
+          {"translation_rmse_m", value(errors->translation_rmse_m)},
+          {"translation_median_m", value(errors->translation_median_m)},
+          {"translation_max_m", value(errors->translation_max_m)},
           {"rotation_mean_rad", value(errors->rotation_mean_rad)},
-          {"rotation_std_rad", value(errors->rotation_std_rad)}};
+          {"rotation_std_rad", value(errors->rotation_std_rad)},
+          {"rotation_rmse_rad", value(errors->rotation_rmse_rad)},
+          {"rotation_median_rad", value(errors->rotation_median_rad)},
+          {"rotation_max_rad", value(errors->rotation_max_rad)}};
 }
 
 std::string relations_text(const RelationErrors& e) {

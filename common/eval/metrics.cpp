@@ -28,6 +28,7 @@ class StampIndex {
   explicit StampIndex(const Trajectory& rows) {
     for (const StampedPose& row : rows) poses_.emplace(microseconds(row.stamp_s), row.pose);
   }
+  std::size_t size() const { return poses_.size(); }
   const Pose* find(double stamp_s) const {
     const auto found = poses_.find(microseconds(stamp_s));
     return found == poses_.end() ? nullptr : &found->second;
@@ -66,8 +67,16 @@ class Truth {
 };
 
 struct Summary {
-  double mean_abs = 0.0, rmse = 0.0, max_abs = 0.0, p95_abs = 0.0, std_abs = 0.0;
+  double mean_abs = 0.0, rmse = 0.0, max_abs = 0.0, median_abs = 0.0, p95_abs = 0.0, std_abs = 0.0;
 };
+
+/// Between order statistics, linear.
+double quantile(const std::vector<double>& sorted, double share) {
+  const double rank = share * (static_cast<double>(sorted.size()) - 1.0);
+  const auto low = static_cast<std::size_t>(rank);
+  const std::size_t high = std::min(low + 1, sorted.size() - 1);
+  return sorted[low] + (rank - static_cast<double>(low)) * (sorted[high] - sorted[low]);
+}
 
 // Of no values: all NaN, so that nothing is taken for a perfect result. One NaN among the values makes all
 // NaN.
@@ -76,7 +85,7 @@ Summary summarise(const std::vector<double>& values) {
   std::vector<double> sizes(values.size());
   std::transform(values.begin(), values.end(), sizes.begin(), [](double v) { return std::fabs(v); });
   if (sizes.empty() || std::any_of(sizes.begin(), sizes.end(), [](double v) { return std::isnan(v); })) {
-    return {nan, nan, nan, nan, nan};
+    return {nan, nan, nan, nan, nan, nan};
   }
   const double n = static_cast<double>(sizes.size());
   Summary s;
@@ -89,10 +98,8 @@ Summary summarise(const std::vector<double>& values) {
   s.std_abs = std::sqrt(s.std_abs);
   std::sort(sizes.begin(), sizes.end());
   s.max_abs = sizes.back();
-  const double rank = 0.95 * (n - 1.0);  // between order statistics, linear
-  const auto low = static_cast<std::size_t>(rank);
-  const std::size_t high = std::min(low + 1, sizes.size() - 1);
-  s.p95_abs = sizes[low] + (rank - static_cast<double>(low)) * (sizes[high] - sizes[low]);
+  s.median_abs = quantile(sizes, 0.5);
+  s.p95_abs = quantile(sizes, 0.95);
   return s;
 }
 
@@ -153,12 +160,15 @@ std::vector<std::optional<Pose>> truth_at(const Trajectory& truth, const std::ve
 
 std::vector<Relation> read_relations(const std::string& path) {
   LineReader lines = LineReader::from_file(path);
-  return read_text_rows(lines, read_relation);
+  std::vector<Relation> relations = read_text_rows(lines, read_relation);
+  if (relations.empty()) throw input_error(path, 0, "expected a relation, found none");
+  return relations;
 }
 
 RelationErrors compare_relations(const Trajectory& estimate, const std::vector<Relation>& relations) {
   const StampIndex pose_at(estimate);
   RelationErrors e;
+  e.repeated_stamps = estimate.size() - pose_at.size();
   std::vector<double> translations_m, rotations_rad;
   for (const Relation& relation : relations) {
     const Pose* pose_1 = pose_at.find(relation.stamp_1_s);
@@ -170,14 +180,22 @@ RelationErrors compare_relations(const Trajectory& estimate, const std::vector<R
     ++e.compared;
     const Pose error = relative(relative(*pose_2, *pose_1), relation.delta);
     translations_m.push_back(std::hypot(error.x_m, error.y_m));
-    rotations_rad.push_back(error.theta_rad);
+    rotations_rad.push_back(std::fabs(error.theta_rad));
+    e.each.push_back({relation.stamp_1_s, relation.stamp_2_s, *pose_1, *pose_2, translations_m.back(),
+                      rotations_rad.back()});
   }
   const Summary translation = summarise(translations_m);
-  const Summary rotation = summarise(rotations_rad);
   e.translation_mean_m = translation.mean_abs;
   e.translation_std_m = translation.std_abs;
+  e.translation_rmse_m = translation.rmse;
+  e.translation_median_m = translation.median_abs;
+  e.translation_max_m = translation.max_abs;
+  const Summary rotation = summarise(rotations_rad);
   e.rotation_mean_rad = rotation.mean_abs;
   e.rotation_std_rad = rotation.std_abs;
+  e.rotation_rmse_rad = rotation.rmse;
+  e.rotation_median_rad = rotation.median_abs;
+  e.rotation_max_rad = rotation.max_abs;
   return e;
 }
 

@@ -35,15 +35,28 @@ struct Relation {
   double stamp_1_s = 0, stamp_2_s = 0;
   Pose delta;
 };
-/// "t1 t2 dx dy dz roll pitch yaw" per line. Throws Error{input} with file:line.
+/// "t1 t2 dx dy dz roll pitch yaw" per line. Throws Error{input} with file:line, and for a file without a
+/// relation.
 std::vector<Relation> read_relations(const std::string& path);
 
+/// One relation against the estimate.
+struct RelationError {
+  double stamp_1_s = 0, stamp_2_s = 0;
+  Pose pose_1, pose_2;  ///< As estimated.
+  double translation_m = 0, rotation_rad = 0;
+};
+
+/// Sizes of the errors: mean, population standard deviation, root of the mean square, median, largest.
 struct RelationErrors {
   std::size_t compared = 0, without_pose = 0;
-  double translation_mean_m = 0, translation_std_m = 0, rotation_mean_rad = 0, rotation_std_rad = 0;
+  std::size_t repeated_stamps = 0;  ///< Poses with the stamp of an earlier one, which is the one compared.
+  double translation_mean_m = 0, translation_std_m = 0, translation_rmse_m = 0, translation_median_m = 0,
+         translation_max_m = 0;
+  double rotation_mean_rad = 0, rotation_std_rad = 0, rotation_rmse_rad = 0, rotation_median_rad = 0,
+         rotation_max_rad = 0;
+  std::vector<RelationError> each;  ///< Per compared relation.
 };
-/// Kuemmerle et al. 2009: ((x_j - x_i) - delta_ij), stamps matched exactly to 6 decimals. Mean and population
-/// std.
+/// Kuemmerle et al. 2009: ((x_j - x_i) - delta_ij), stamps matched exactly to 6 decimals.
 RelationErrors compare_relations(const Trajectory& estimate, const std::vector<Relation>& relations);
 
 }  // namespace parloc

@@ -96,12 +96,57 @@ TEST(CompareRelations, WorkedExample) {
   EXPECT_NEAR(e.translation_mean_m, 0.140865608572, kSpecDigits);
   EXPECT_NEAR(e.translation_std_m, 0.038487623948, kSpecDigits);
   EXPECT_NEAR(e.rotation_mean_rad, 0.048296326795, kSpecDigits);
+  EXPECT_NEAR(e.translation_rmse_m * e.translation_rmse_m, 0.021324416875, kSpecDigits);
+  EXPECT_NEAR(e.translation_median_m, 0.5 * (0.133405569067 + 0.134164078650), kSpecDigits);
+  EXPECT_NEAR(e.translation_max_m, 0.201445697353, kSpecDigits);
+  EXPECT_NEAR(e.rotation_rmse_rad * e.rotation_rmse_rad, 0.002804948833, kSpecDigits);
   // Squared rotation 0.002804948833 in the mean: the variance is that less the squared mean.
   EXPECT_NEAR(e.rotation_std_rad, std::sqrt(0.002804948833 - 0.048296326795 * 0.048296326795), 1e-10);
   const double translation[] = {0.133405569067, 0.094447089217, 0.201445697353, 0.134164078650};
   for (std::size_t i = 0; i < 4; ++i) {
     EXPECT_NEAR(compare_relations(kEstimate, {relations[i]}).translation_mean_m, translation[i], kSpecDigits);
+    EXPECT_NEAR(e.each[i].translation_m, translation[i], kSpecDigits);
   }
+}
+
+// By hand: 3-4-5 and 5-12-13 off, turned by 0.1 and -0.3 rad; whatever the frame, and in any order of time.
+TEST(CompareRelations, ByHandInAnyFrame) {
+  for (const Pose& frame : {Pose{0, 0, 0}, Pose{-7, 40, 2.5}}) {
+    const auto at = [&](double x_m, double y_m, double theta_rad) {
+      return compose(frame, Pose{x_m, y_m, theta_rad});
+    };
+    const Trajectory estimate{{5, at(1.03, 0.04, 0.1)}, {3, at(0, 0, 0)}, {9, at(1.03, 0.04, 0.1)}};
+    // Seen from the pose at 5 s, that at 3 s: made so that (0.05, -0.12, -0.3) is left.
+    const Pose back = relative(estimate[1].pose, estimate[0].pose);
+    const Relation second{5, 3, compose(back, relative({}, {0.05, -0.12, -0.3}))};
+    const RelationErrors e = compare_relations(estimate, {{3, 5, {1, 0, 0}}, second, {3, 4, {}}});
+    EXPECT_EQ(e.compared, 2u);
+    EXPECT_EQ(e.without_pose, 1u);
+    EXPECT_NEAR(e.translation_mean_m, 0.09, 1e-12);
+    EXPECT_NEAR(e.translation_std_m, 0.04, 1e-12);
+    EXPECT_NEAR(e.translation_median_m, 0.09, 1e-12);
+    EXPECT_NEAR(e.translation_max_m, 0.13, 1e-12);
+    EXPECT_NEAR(e.translation_rmse_m, std::sqrt(0.0097), 1e-12);
+    EXPECT_NEAR(e.rotation_mean_rad, 0.2, 1e-12);
+    EXPECT_NEAR(e.rotation_max_rad, 0.3, 1e-12);
+    ASSERT_EQ(e.each.size(), 2u);
+    EXPECT_EQ(e.each[1].stamp_1_s, 5.0);
+    EXPECT_EQ(e.each[1].pose_2.x_m, frame.x_m);
+  }
+}
+
+TEST(CompareRelations, OfARepeatedStampTheFirstCounts) {
+  const Trajectory estimate{{1, {0, 0, 0}}, {2, {1, 0, 0}}, {2.0000004, {5, 0, 0}}, {1, {9, 9, 9}}};
+  const RelationErrors e = compare_relations(estimate, {{1, 2, {1, 0, 0}}});
+  EXPECT_EQ(e.translation_max_m, 0.0);
+  EXPECT_EQ(e.repeated_stamps, 2u);
+}
+
+TEST(CompareRelations, NothingComparedIsNotPerfect) {
+  const RelationErrors e = compare_relations(kEstimate, {{90, 91, {}}});
+  EXPECT_EQ(e.compared, 0u);
+  EXPECT_TRUE(std::isnan(e.translation_mean_m));
+  EXPECT_TRUE(std::isnan(e.rotation_max_rad));
 }
 
 TEST(CompareRelations, StampsMatchToSixDecimalsOrNotAtAll) {
@@ -131,6 +176,17 @@ TEST(Relations, ReadAndErrors) {
       EXPECT_EQ(error.kind(), ErrorKind::input);
       EXPECT_EQ(std::string(error.what()).rfind(file.path() + ":1: expected", 0), 0u) << error.what();
     }
+  }
+}
+
+TEST(Relations, AFileWithoutOneIsAnError) {
+  const test::TempFile file("none.txt", "# t1 t2 dx dy dz roll pitch yaw\n\n");
+  try {
+    read_relations(file.path());
+    ADD_FAILURE();
+  } catch (const Error& error) {
+    EXPECT_EQ(error.kind(), ErrorKind::input);
+    EXPECT_EQ(error.what(), file.path() + ": expected a relation, found none");
   }
 }
 

@@ -148,6 +148,24 @@ void append_curve(std::string& svg, const Curve& c, const Frame& f) {
 
 }  // namespace
 
+Curve cumulative_curve(const std::string& label, const std::string& colour, std::vector<double> values,
+                       std::size_t all, double until) {
+  constexpr std::size_t kMostPoints = 1000;
+  std::sort(values.begin(), values.end());
+  const auto percent = [&](std::size_t n) {
+    return 100.0 * static_cast<double>(n) / static_cast<double>(all);
+  };
+  Curve c{label, colour, Marker::circle, false, {0.0}, {0.0}, false};
+  const std::size_t stride = values.size() / kMostPoints + 1;
+  for (std::size_t k = stride - 1; k < values.size(); k += stride) {
+    c.x.insert(c.x.end(), {values[k], values[k]});
+    c.y.insert(c.y.end(), {c.y.back(), percent(k + 1)});
+  }
+  c.x.push_back(until);
+  c.y.push_back(percent(values.size()));
+  return c;
+}
+
 std::string render(const XyPlot& plot) {
   const Frame f = frame_of(plot);
   const bool any = std::any_of(plot.curves.begin(), plot.curves.end(), [&](const Curve& c) {

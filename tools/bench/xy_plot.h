@@ -1,6 +1,7 @@
 // A plot of curves over a size, as HTML with inline SVG that reads the same on paper and on a screen.
 #pragma once
 
+#include <cstddef>
 #include <string>
 #include <vector>
 
@@ -16,6 +17,11 @@ struct Curve {
   std::vector<double> x, y;
   bool marked = true;  ///< With a marker at every point.
 };
+
+/// Steps up to `until`, unmarked: which percentage of `all` are values at or below x. Thinned to about a
+/// thousand.
+Curve cumulative_curve(const std::string& label, const std::string& colour, std::vector<double> values,
+                       std::size_t all, double until);
 
 /// A horizontal line with its name.
 struct Level {

@@ -15,23 +15,6 @@ namespace parloc::evaluate {
 namespace {
 
 constexpr std::int32_t kLeastMap_px = 600, kMostMap_px = 1600;
-constexpr std::size_t kMostCurvePoints = 1000;
-
-/// Steps of the share of all trials that have come to it by then.
-bench::Curve cumulative(const std::string& label, const char* colour, std::vector<double> times_s,
-                        std::size_t trials, double until_s) {
-  std::sort(times_s.begin(), times_s.end());
-  bench::Curve c{label, colour, bench::Marker::circle, false, {0.0}, {0.0}, false};
-  const std::size_t stride = times_s.size() / kMostCurvePoints + 1;
-  for (std::size_t k = stride - 1; k < times_s.size(); k += stride) {
-    c.x.insert(c.x.end(), {times_s[k], times_s[k]});
-    c.y.insert(c.y.end(), {c.y.back(), 100.0 * static_cast<double>(k + 1) / static_cast<double>(trials)});
-  }
-  const double last = 100.0 * static_cast<double>(times_s.size()) / static_cast<double>(trials);
-  c.x.push_back(until_s);
-  c.y.push_back(last);
-  return c;
-}
 
 std::string time_plot(const Evaluation& e) {
   std::vector<double> localized_s, noticed_s;
@@ -47,9 +30,9 @@ std::string time_plot(const Evaluation& e) {
   plot.unit = bench::YUnit::plain;
   plot.y_logarithmic = false;
   plot.y_span = {0.0, 100.0};
-  plot.curves.push_back(cumulative("localized", "c1", localized_s, e.trials.size(), until_s));
+  plot.curves.push_back(bench::cumulative_curve("localized", "c1", localized_s, e.trials.size(), until_s));
   if (e.plan.task == TrialTask::kidnap)
-    plot.curves.push_back(cumulative("noticed", "c5", noticed_s, e.trials.size(), until_s));
+    plot.curves.push_back(bench::cumulative_curve("noticed", "c5", noticed_s, e.trials.size(), until_s));
   plot.curves.push_back(
       {"limit", "c6", bench::Marker::circle, true, {e.limit_s, e.limit_s}, {0.0, 100.0}, false});
   plot.x_ticks = bench::ticks_to(until_s);
