@@ -17,17 +17,20 @@ struct Place {
   Pose pose;
 };
 
-/// The hall with obstacles, from half-way along the path of Paz et al. 2012: the first so many of the 541
-/// beams of its LiDAR, simulated against the map of 1 cm.
-inline Place hall_with_scan(int beams) {
-  const std::string root = std::string(PARLOC_SOURCE_DIR) + "/";
-  Scenario scenario = read_scenario(root + "configs/paz2012_scenario.yaml");
+/// The hall with obstacles, half-way along the path of Paz et al. 2012: the first so many of the 541 beams of
+/// its LiDAR, simulated against the map of 1 cm.
+inline SimulatedLog half_way_through_the_hall(int beams) {
+  Scenario scenario = read_scenario(std::string(PARLOC_SOURCE_DIR) + "/configs/paz2012_scenario.yaml");
   scenario.lidar.dropout_probability = 0.0;  // so that every selected beam is used
   scenario.lidar.beams = beams;
-  const SimulatedLog log =
-      simulate(scenario, read_map(scenario.map_path), [](double fraction) { return fraction < 0.5; });
+  return simulate(scenario, read_map(scenario.map_path), [](double fraction) { return fraction < 0.5; });
+}
+
+/// The last scan of that.
+inline Place hall_with_scan(int beams) {
+  const SimulatedLog log = half_way_through_the_hall(beams);
   Place p;
-  p.map = read_map(root + "maps/hall_obstacles.yaml");
+  p.map = read_map(std::string(PARLOC_SOURCE_DIR) + "/maps/hall_obstacles.yaml");
   p.pose = log.truth.back().pose;
   for (const LogRecord& record : log.records)
     if (record.kind == RecordKind::scan) p.scan = record.scan;
