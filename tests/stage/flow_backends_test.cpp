@@ -4,10 +4,10 @@
 
 #include <ostream>
 
-#include "common/eval/simulator.h"
 #include "common/filter/start.h"
 #include "common/flow/flow_backend.h"
 #include "tests/stage/room_of_blocks.h"
+#include "tests/stage/room_scan.h"
 #include "tests/stage/same_bits.h"
 #include "tests/unit/instruction_sets.h"
 #include "tests/unit/without_gpu.h"
@@ -22,19 +22,11 @@ GridMap room() {
   return test::room_of_blocks(test::rows_with_blocks_and_wall());
 }
 
-/// As seen from a pose of the map frame; every seventh beam returns nothing, every fifth is cut short.
+/// Every fifth beam that returns is cut short.
 Scan scan_from(const GridMap& map, const Pose& pose, std::size_t beams) {
-  Scan s;
-  s.T_base_sensor = {0.1, -0.05, 0.2};
-  s.angle_min_rad = -2.0;
-  s.angle_step_rad = 4.0 / static_cast<double>(beams);
-  s.range_max_m = 4.0;
-  for (std::size_t i = 0; i < beams; ++i) {
-    const Pose ray = compose(compose(pose, s.T_base_sensor),
-                             {0, 0, s.angle_min_rad + static_cast<double>(i) * s.angle_step_rad});
-    const double range_m = cast_simulated_ray(map, ray.x_m, ray.y_m, ray.theta_rad, 4.0).range_m;
-    s.ranges_m.push_back(i % 7 == 3 ? 9.0f : static_cast<float>(i % 5 == 2 ? 0.8 * range_m : range_m));
-  }
+  Scan s = test::scan_with_gaps(map, pose, beams, 4.0);
+  for (std::size_t i = 2; i < beams; i += 5)
+    if (s.ranges_m[i] <= 4.0f) s.ranges_m[i] *= 0.8f;
   return s;
 }
 

@@ -5,9 +5,9 @@
 
 #include <ostream>
 
-#include "common/eval/simulator.h"
 #include "common/slam/slam_backend.h"
 #include "tests/stage/room_of_blocks.h"
+#include "tests/stage/room_scan.h"
 #include "tests/stage/same_bits.h"
 #include "tests/unit/instruction_sets.h"
 #include "tests/unit/without_gpu.h"
@@ -18,21 +18,7 @@ std::unique_ptr<SlamBackend> make_slam_backend_on_host(const SlamBackendConfig& 
 }
 namespace {
 
-/// From a sensor beside the robot's centre; every seventh beam returns nothing.
-Scan scan_from(const GridMap& map, const Pose& pose, std::size_t beams) {
-  Scan s;
-  s.T_base_sensor = {0.1, -0.05, 0.2};
-  s.angle_min_rad = -2.0;
-  s.angle_step_rad = 4.0 / static_cast<double>(beams);
-  s.range_max_m = 6.0;
-  for (std::size_t i = 0; i < beams; ++i) {
-    const Pose ray = compose(compose(pose, s.T_base_sensor),
-                             {0, 0, s.angle_min_rad + static_cast<double>(i) * s.angle_step_rad});
-    const double range_m = cast_simulated_ray(map, ray.x_m, ray.y_m, ray.theta_rad, 6.0).range_m;
-    s.ranges_m.push_back(i % 7 == 3 ? 9.0f : static_cast<float>(range_m));
-  }
-  return s;
-}
+constexpr double kRangeMax_m = 6.0;
 
 struct Trace {
   std::vector<SlamStep> steps;
@@ -56,8 +42,8 @@ Trace run(SlamBackend& backend, const SlamBackendConfig& config) {
     const bool moves = step > 0;
     const MotionStep motion{moves ? turn_rad : 0.0f, moves ? 0.22f : 0.0f, 0.0f, 0.05f, 0.03f, 0.05f};
     if (moves) truth = compose(compose(truth, {0, 0, turn_rad}), {0.25, 0, 0});
-    select_beams(scan_from(map, truth, 220 - step), scan_config, SensorConfig{}, config.slam.resolution,
-                 beams, counts);
+    select_beams(test::scan_with_gaps(map, truth, 220 - step, kRangeMax_m), scan_config, SensorConfig{},
+                 config.slam.resolution, beams, counts);
     t.steps.push_back(backend.step(motion, {99, step}, beams));
     t.resampled += t.steps.back().state.resample;
   }
@@ -167,8 +153,8 @@ TEST_P(SlamBackends, ParticlesShareTiles) {
   BeamCounts counts;
   std::size_t tiles_in_use = 0;
   for (std::uint32_t step = 0; step < 40; ++step) {
-    select_beams(scan_from(corridor, {2.0 + 0.6 * step, 1.0, 0.0}, 90), ScanConfig{}, SensorConfig{}, 0.05,
-                 beams, counts);
+    select_beams(test::scan_with_gaps(corridor, {2.0 + 0.6 * step, 1.0, 0.0}, 90, kRangeMax_m), ScanConfig{},
+                 SensorConfig{}, 0.05, beams, counts);
     const float trans_m = step > 0 ? 0.6f : 0.0f;
     tiles_in_use = backend->step({0.0f, trans_m, 0.0f, 0.01f, 0.02f, 0.01f}, {5, step}, beams).tiles - 1;
   }

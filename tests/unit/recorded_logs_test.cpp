@@ -22,14 +22,19 @@ std::size_t scans_of(const Read& read) {
                     [](const LogRecord& r) { return r.kind == RecordKind::scan; }));
 }
 
+/// Every line is read.
+void expect_counts(const Read& read, std::size_t scans, std::size_t odometry, std::size_t backward_stamps) {
+  EXPECT_EQ(scans_of(read), scans);
+  EXPECT_EQ(read.records.size() - scans_of(read), odometry);
+  EXPECT_EQ(read.warnings.backward_stamps, backward_stamps);
+  EXPECT_EQ(read.warnings.broken_lines, 0u) << read.warnings.messages.front();
+}
+
 TEST(RealLog, Intel) {
   const std::string path = test::real_data("intel/scans.log");
   PARLOC_NEEDS_FILE(path);
   const Read read = read_file(path);
-  EXPECT_EQ(scans_of(read), 13631u);
-  EXPECT_EQ(read.records.size() - scans_of(read), 26915u);
-  EXPECT_EQ(read.warnings.backward_stamps, 631u);
-  EXPECT_EQ(read.warnings.broken_lines, 0u) << read.warnings.messages.front();
+  expect_counts(read, 13631, 26915, 631);
   EXPECT_EQ(read.warnings.beam_count_changes, 0u);
   EXPECT_EQ(read.warnings.unknown_messages, 0u);
   for (const LogRecord& r : read.records) {
@@ -58,11 +63,7 @@ TEST(RealLog, IntelIsReadInHalfASecond) {
 TEST(RealLog, Aces) {
   const std::string path = test::real_data("aces/scans.log");
   PARLOC_NEEDS_FILE(path);
-  const Read read = read_file(path);
-  EXPECT_EQ(scans_of(read), 7374u);
-  EXPECT_EQ(read.records.size() - scans_of(read), 7375u);
-  EXPECT_EQ(read.warnings.backward_stamps, 0u);
-  EXPECT_EQ(read.warnings.broken_lines, 0u) << read.warnings.messages.front();
+  expect_counts(read_file(path), 7374, 7375, 0);
 }
 
 TEST(RealLog, Tb3House) {
