@@ -1,0 +1,124 @@
+// Same seed, same map, for grid SLAM: whole runs on a real log have pinned digests at any thread count and
+// with any instruction set (docs/determinism.md).
+#include <gtest/gtest.h>
+
+#include <ostream>
+#include <string>
+
+#include "common/slam/grid_slam.h"
+#include "tests/system/golden_corridor.h"
+#include "tests/unit/instruction_sets.h"
+#include "tests/unit/without_gpu.h"
+
+namespace parloc::test {
+namespace {
+
+/// Every setting that it reads is written out: a changed default must not change a golden digest.
+FilterConfig fixed_config(SlamProposal proposal) {
+  FilterConfig c;
+  c.seed = 42;
+  c.backend = BackendChoice::cpu;
+  c.device = 0;
+  c.motion = kGoldenMotion;
+  c.scan.min_beams = 5, c.scan.laser_min_range = 0.1, c.scan.laser_max_range = 40.0;
+  c.scan.zero_policy = ZeroPolicy::invalid;
+  c.slam = {.particles = 20,
+            .proposal = proposal,
+            .max_beams = 120,
+            .resolution = 0.1,
+            .usable_range = 25.0,
+            .update_min_d = 0.3,
+            .update_min_a = 0.2,
+            .resample_threshold = 0.7,
+            .beta_weight = proposal == SlamProposal::motion ? 0.005 : 0.05,
+            .beta_proposal = 1.0,
+            .search_xy = 0.0,
+            .search_theta = 0.0,
+            .search_bias = 0.25,
+            .step_xy = 0.1,
+            .step_theta = 0.05,
+            .iterations = 6,
+            .sigma_score = 0.02,
+            .sigma_likelihood = 0.075,
+            .min_score = 0.1,
+            .box_xy = 0.06,
+            .box_theta = 0.04,
+            .motion_floor_xy = 0.02,
+            .motion_floor_theta = 0.005,
+            .occupied_above = 0.25};
+  return c;
+}
+
+void run_corridor(GridSlam& slam) {
+  const auto log = corridor_log();
+  for (LogRecord r; log->next(r);)
+    if (r.kind == RecordKind::scan) slam.step(r.odometry, r.scan);
+}
+
+struct Golden {
+  const char* name;
+  SlamProposal proposal;
+  const char* digest;
+};
+
+void PrintTo(const Golden& g, std::ostream* out) {
+  *out << g.name;
+}
+
+class SlamDigest : public testing::TestWithParam<Golden> {};
+
+TEST_P(SlamDigest, OfARealLogIsPinned) {
+  for (const cpu::Simd set : instruction_sets()) {
+    const SimdLimit limit(set);
+    for (const int threads : {1, 2, 4}) {
+      FilterConfig c = fixed_config(GetParam().proposal);
+      c.threads = threads;
+      GridSlam slam(c);
+      run_corridor(slam);
+      EXPECT_EQ(slam.digest(), GetParam().digest) << slam.backend_name();
+    }
+  }
+}
+
+// Worth pinning only if it kept track, resampled, but not always, and left scans out.
+TEST_P(SlamDigest, TheRunIsWorthPinning) {
+  GridSlam slam(fixed_config(GetParam().proposal));
+  run_corridor(slam);
+  Trajectory track = slam.trajectory();
+  EXPECT_EQ(track.size(), kCorridorScans);
+  for (StampedPose& p : track) p.pose = compose(kCorridorStart, p.pose);
+  expect_on_track(track);
+  std::size_t resampled = 0;
+  for (const SlamRecord& r : slam.records()) resampled += r.resampled ? 1 : 0;
+  EXPECT_GT(resampled, 2u);
+  EXPECT_LT(resampled, slam.records().size() - 2);
+  EXPECT_GT(slam.records().size(), 20u);
+  EXPECT_LT(slam.records().size(), kCorridorScans);
+}
+
+TEST_P(SlamDigest, OfAGpuIsTheSame) {
+  FilterConfig c = fixed_config(GetParam().proposal);
+  c.backend = BackendChoice::cuda;
+  try {
+    GridSlam slam(c);
+    run_corridor(slam);
+    EXPECT_EQ(slam.digest(), GetParam().digest);
+  } catch (const Error& e) {
+    PARLOC_WITHOUT_GPU(e);
+  }
+}
+
+// They change with any change of the arithmetic of a step, its order included, of the matcher, or of what a
+// digest holds; see tests/system/digest_test.cpp for how to renew them.
+INSTANTIATE_TEST_SUITE_P(
+    All, SlamDigest,
+    testing::Values(Golden{"motion", SlamProposal::motion,
+                           "70902d0c0a03ba951c7fff40a87b3c335ac74dba84d07dc097e255110f8207fd"},
+                    Golden{"scan_match", SlamProposal::scan_match,
+                           "f25df7e0aaa6b201e33987cfa1d3cff7c3380e5358aef23615ff12601eb3918c"},
+                    Golden{"gaussian", SlamProposal::gaussian,
+                           "9555a2de35b15893296dc2133e24a1f8dc975c903122a1c8c8b6f39829a818d0"}),
+    [](const auto& one) { return std::string(one.param.name); });
+
+}  // namespace
+}  // namespace parloc::test
