@@ -3,8 +3,6 @@
 #include <fmt/format.h>
 
 #include <cstdio>
-#include <memory>
-#include <vector>
 
 #include "common/io/output_file.h"
 #include "tools/bench/machine.h"
