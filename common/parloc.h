@@ -16,3 +16,4 @@
 #include "common/math/pose.h"
 #include "common/search/global_search.h"
 #include "common/slam/grid_slam.h"
+#include "common/slam/slam_checkpoint.h"

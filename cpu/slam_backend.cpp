@@ -3,6 +3,8 @@
 #include <fmt/format.h>
 #include <omp.h>
 
+#include <utility>
+
 #include "common/filter/bind.h"
 #include "cpu/poses.h"
 #include "cpu/slam_stages.h"
@@ -55,9 +57,7 @@ class CpuSlamBackend final : public SlamBackend {
     cpu::assign_tiles(touched_.data(), count_, maps(), store_, fresh_, workers_);
     cpu::register_scan(draw_, propose_.match, beams, maps(), view(now_), touched_.data(), workers_);
     empty_ = empty_ && scan.hits == 0;
-    last_.x = now_.x, last_.y = now_.y, last_.theta = now_.theta;
-    last_.tiles = store_.used();
-    last_.table_bytes = (table_.size() + other_table_.size()) * sizeof(std::uint32_t);
+    note_state();
     return last_;
   }
 
@@ -65,6 +65,33 @@ class CpuSlamBackend final : public SlamBackend {
     const TilePool pool = store_.pool();
     return gather_cells(span_, table_.data() + particle * span_.size(),
                         [&](std::uint32_t id, Tile& tile) { tile = pool.at(id); });
+  }
+
+  SlamSnapshot save() const override {
+    return {now_.x, now_.y, now_.theta, log_weight_, last_.likelihood, empty_, span_, table_};
+  }
+
+  const SlamStep& load(const SlamSnapshot& s) override {
+    now_.x = s.x, now_.y = s.y, now_.theta = s.theta;
+    log_weight_ = s.log_weight;
+    last_.likelihood = s.likelihood;
+    empty_ = s.empty;
+    span_ = s.span;
+    set_tables(s.table);
+    store_.set_refs(count_references(table_, store_.capacity()));
+    note_state();
+    return last_;
+  }
+
+  std::vector<std::uint32_t> free_tiles(std::size_t count) override {
+    store_.make_room(count);
+    return first_free(store_.refs(), count);
+  }
+  void write_tiles(const std::vector<std::uint32_t>& ids, const Tile* from) override {
+    for (const std::uint32_t id : ids) store_.pool().at(id) = *from++;
+  }
+  void read_tiles(const std::vector<std::uint32_t>& ids, Tile* to) const override {
+    for (const std::uint32_t id : ids) *to++ = store_.pool().at(id);
   }
 
  private:
@@ -107,10 +134,18 @@ class CpuSlamBackend final : public SlamBackend {
     const TileSpan span =
         grown_span(span_, poses.x, poses.y, config_.slam.usable_range, config_.slam.resolution);
     if (span.size() == span_.size()) return;
-    table_ = moved_tables(table_, span_, span, count_);
+    set_tables(moved_tables(table_, span_, span, count_));
+    span_ = span;
+  }
+  void set_tables(std::vector<std::uint32_t> tables) {
+    table_ = std::move(tables);
     other_table_.assign(table_.size(), kNoTile);
     touched_.assign(table_.size(), 0);
-    span_ = span;
+  }
+  void note_state() {
+    last_.x = now_.x, last_.y = now_.y, last_.theta = now_.theta;
+    last_.tiles = store_.used();
+    last_.table_bytes = (table_.size() + other_table_.size()) * sizeof(std::uint32_t);
   }
 
   SlamBackendConfig config_;

@@ -19,6 +19,8 @@ class TileStore {
   std::size_t capacity() const { return refs_.size(); }
   std::uint32_t* refs() { return refs_.data(); }
   void set_used(std::size_t n) { used_ = n; }
+  /// What tables name from now on.
+  void set_refs(std::vector<std::uint32_t> refs);
   /// Room for so many more than are in use. Throws std::bad_alloc before anything has changed.
   void make_room(std::size_t more);
 

@@ -1,3 +1,5 @@
+#include <utility>
+
 #include "cpu/slam_stages.h"
 
 namespace parloc::cpu {
@@ -17,6 +19,12 @@ void TileStore::make_room(std::size_t more) {
     chunk_.push_back(memory_.back().get());
     refs_.resize(refs_.size() + kChunkTiles, 0);
   }
+}
+
+void TileStore::set_refs(std::vector<std::uint32_t> refs) {
+  used_ = 0;
+  for (const std::uint32_t r : refs) used_ += r > 0 ? 1 : 0;
+  refs_ = std::move(refs);
 }
 
 }  // namespace parloc::cpu

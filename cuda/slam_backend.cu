@@ -80,6 +80,50 @@ class CudaSlamBackend final : public SlamBackend {
                         [&](std::uint32_t id, Tile& tile) { store_->read(id, tile, stream_); });
   }
 
+  SlamSnapshot save() const override {
+    select_device(device_);
+    const std::vector<float> log_weight = log_weight_.to_host(count_, stream_);
+    return {last_.x,          last_.y, last_.theta, log_weight,
+            last_.likelihood, empty_,  span_,       table_.to_host(count_ * span_.size(), stream_)};
+  }
+
+  const SlamStep& load(const SlamSnapshot& s) override {
+    select_device(device_);
+    now_->x.from_host(s.x, stream_), now_->y.from_host(s.y, stream_), now_->theta.from_host(s.theta, stream_);
+    log_weight_.from_host(s.log_weight, stream_);
+    likelihood_.from_host(s.likelihood, stream_);
+    const std::vector<std::uint32_t> references = count_references(s.table, store_->capacity());
+    copy_down(store_->refs(), references.data(), references.size() * sizeof(std::uint32_t), stream_);
+    const std::vector<std::uint64_t> none(1, 0);
+    freed_.from_host(none, stream_);
+    set_tables(s.table);  // waits for all of this
+    span_ = s.span;
+    empty_ = s.empty;
+    taken_ = static_cast<std::uint64_t>(
+        std::count_if(references.begin(), references.end(), [](std::uint32_t r) { return r > 0; }));
+    last_.x = s.x, last_.y = s.y, last_.theta = s.theta, last_.likelihood = s.likelihood;
+    note_size(0);
+    return last_;
+  }
+
+  std::vector<std::uint32_t> free_tiles(std::size_t count) override {
+    select_device(device_);
+    const std::vector<std::uint64_t> freed = freed_.to_host(1, stream_);
+    store_->make_room(taken_ - freed[0] + count, stream_);
+    std::vector<std::uint32_t> references(store_->capacity());
+    copy_up(references.data(), store_->refs(), references.size() * sizeof(std::uint32_t), stream_);
+    synchronise(stream_);
+    return first_free(references.data(), count);
+  }
+  void write_tiles(const std::vector<std::uint32_t>& ids, const Tile* from) override {
+    select_device(device_);
+    store_->write(ids, from, stream_);
+  }
+  void read_tiles(const std::vector<std::uint32_t>& ids, Tile* to) const override {
+    select_device(device_);
+    store_->read(ids, to, stream_);
+  }
+
  private:
   Particles view(const Poses& p) const {
     return {p.x.data(), p.y.data(), p.theta.data(), log_weight_.data(), p.live.data(), count_};
@@ -134,28 +178,32 @@ class CudaSlamBackend final : public SlamBackend {
     const bool none = span_.size() == 0;
     const std::vector<std::uint32_t> old =
         none ? std::vector<std::uint32_t>{} : table_.to_host(count_ * span_.size(), stream_);
-    const std::vector<std::uint32_t> moved = moved_tables(old, span_, span, count_);
-    table_.from_host(moved, stream_);
-    synchronise(stream_);
-    other_table_.reserve(moved.size());
-    touched_.reserve(moved.size());
-    room_.need.reserve(moved.size());
-    scratch_.reserve(moved.size());
+    set_tables(moved_tables(old, span_, span, count_));
     span_ = span;
+  }
+  void set_tables(const std::vector<std::uint32_t>& tables) {
+    table_.from_host(tables, stream_);
+    synchronise(stream_);
+    other_table_.reserve(tables.size());
+    touched_.reserve(tables.size());
+    room_.need.reserve(tables.size());
+    scratch_.reserve(tables.size());
+  }
+  void note_size(std::uint64_t freed) {
+    last_.tiles = taken_ - freed;
+    last_.table_bytes = 2 * count_ * span_.size() * sizeof(std::uint32_t);
   }
   void write_scan() {
     mark_tiles(draw_, propose_.match, beams(), span_, view(*now_), touched_.data(), stream_);
     count_new_tiles(touched_.data(), count_, maps(), store_->refs(), room_, scratch_, stream_);
     std::uint64_t needed = 0;
     copy_up(&needed, room_.need.data() + count_ * span_.size() - 1, sizeof needed, stream_);
-    std::vector<std::uint64_t> freed = freed_.to_host(1, stream_);  // waits for `needed` as well
+    const std::vector<std::uint64_t> freed = freed_.to_host(1, stream_);  // waits for `needed` as well
     store_->make_room(taken_ - freed[0] + needed, stream_);
     assign_tiles(needed, count_, maps(), *store_, freed_.data(), room_, scratch_, stream_);
     register_scan(draw_, propose_.match, beams(), maps(), view(*now_), touched_.data(), stream_);
     taken_ += needed;
-    freed = freed_.to_host(1, stream_);
-    last_.tiles = taken_ - freed[0];
-    last_.table_bytes = 2 * count_ * span_.size() * sizeof(std::uint32_t);
+    note_size(freed_.to_host(1, stream_)[0]);
   }
 
   SlamBackendConfig config_;

@@ -12,7 +12,18 @@ TileStore::TileStore(Stream stream) {
 }
 
 void TileStore::read(std::uint32_t id, Tile& tile, Stream stream) const {
-  copy_up(&tile, memory_[id >> kChunkShift]->data() + (id & (kChunkTiles - 1)), sizeof(Tile), stream);
+  read({id}, &tile, stream);
+}
+
+void TileStore::read(const std::vector<std::uint32_t>& ids, Tile* to, Stream stream) const {
+  for (const std::uint32_t id : ids)
+    copy_up(to++, memory_[id >> kChunkShift]->data() + (id & (kChunkTiles - 1)), sizeof(Tile), stream);
+  synchronise(stream);
+}
+
+void TileStore::write(const std::vector<std::uint32_t>& ids, const Tile* from, Stream stream) {
+  for (const std::uint32_t id : ids)
+    copy_down(memory_[id >> kChunkShift]->data() + (id & (kChunkTiles - 1)), from++, sizeof(Tile), stream);
   synchronise(stream);
 }
 

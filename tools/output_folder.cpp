@@ -59,12 +59,12 @@ OutputFolder::~OutputFolder() {
   }
 }
 
-void OutputFolder::publish() {
+void OutputFolder::publish(const std::vector<std::string>& keep) {
   for (const std::string& file : files_) {
     std::error_code error;
     if (fs::exists(staged(file), error)) {
       fs::rename(staged(file), final_path(file), error);
-    } else {
+    } else if (std::find(keep.begin(), keep.end(), file) == keep.end()) {
       fs::remove(final_path(file), error);
     }
     if (error) fail(final_path(file), error.message());

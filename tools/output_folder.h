@@ -24,8 +24,9 @@ class OutputFolder {
   /// Where it will be.
   std::string final_path(const std::string& file) const { return folder_ + "/" + file; }
   /// Moves the staged files to their places, replacing what is there; a file that was not staged is removed
-  /// there, so that none of an earlier run stays among the others. Throws Error{output}.
-  void publish();
+  /// there, so that none of an earlier run stays among the others, unless it is one of `keep`. Throws
+  /// Error{output}.
+  void publish(const std::vector<std::string>& keep = {});
 
  private:
   std::string folder_;

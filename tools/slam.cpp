@@ -3,6 +3,7 @@
 
 #include <CLI/CLI.hpp>
 #include <cstdio>
+#include <filesystem>
 #include <memory>
 #include <optional>
 #include <string>
@@ -28,8 +29,7 @@ namespace {
 
 /// The command line; what was not given is empty.
 struct SlamOptions {
-  std::string log, config, truth, relations, particles, proposal, backend, seed, threads;
-  std::string out = "parloc_map";
+  std::string log, config, truth, relations, particles, proposal, backend, seed, threads, out, resume, every;
   bool live = false, json = false, quiet = false;
 };
 
@@ -44,6 +44,9 @@ void declare(CLI::App& app, SlamOptions& o) {
   add_text_option(app, "--backend", o.backend, "WHICH", "auto, cpu or cuda");
   add_text_option(app, "--seed", o.seed, "S", "Same seed, same map");
   add_text_option(app, "--threads", o.threads, "K", "CPU threads; 0: all cores");
+  add_text_option(app, "--resume", o.resume, "DIR", "Go on from the checkpoint of an interrupted run");
+  add_text_option(app, "--checkpoint-every", o.every, "S",
+                  "Seconds between checkpoints (60); 0: if interrupted");
   app.add_flag("--live", o.live, "While it works: the map so far in DIR/live.html");
   app.add_flag("--json", o.json, "Print the metrics alone, as JSON");
   app.add_flag("--quiet", o.quiet, "No progress and no summary");
@@ -61,8 +64,8 @@ Enum choice_of(const char* option, const std::string& text, const std::array<Cho
 }
 
 /// The configuration file with the command line on top.
-FilterConfig effective_config(const SlamOptions& o) {
-  FilterConfig config = o.config.empty() ? FilterConfig{} : read_config(o.config);
+FilterConfig effective_config(const SlamOptions& o, const FilterConfig& base) {
+  FilterConfig config = o.config.empty() ? base : read_config(o.config, base);
   if (!o.particles.empty())
     config.slam.particles = parse_whole_number<std::int64_t>("--particles", o.particles);
   if (!o.seed.empty()) config.seed = parse_whole_number<std::uint64_t>("--seed", o.seed);
@@ -86,6 +89,33 @@ constexpr const char* kPicture = "picture.png";
 constexpr const char* kLivePicture = "live.png";  // while it works
 constexpr const char* kLivePage = "live.html";
 
+constexpr const char* kCheckpoint = "checkpoint";
+
+/// --resume takes the folder as well as the file.
+std::string checkpoint_path(const SlamOptions& o) {
+  const bool folder = std::filesystem::is_directory(o.resume);
+  return folder ? (std::filesystem::path(o.resume) / kCheckpoint).string() : o.resume;
+}
+
+/// The checkpoint's settings hold; what is given besides must not contradict them, but for where the work is
+/// done.
+FilterConfig resumed_config(const SlamOptions& o, SlamCheckpoint& checkpoint) {
+  FilterConfig config = effective_config(o, checkpoint.config);
+  config.scan.max_beams = checkpoint.config.scan.max_beams;  // not read: slam.max_beams is
+  const std::string change = config_difference(checkpoint.config, config);
+  if (!change.empty())
+    throw Error(ErrorKind::usage, fmt::format("--resume: {}: {}", checkpoint.name(), change));
+  checkpoint.config = config;
+  return config;
+}
+
+std::string output_folder(const SlamOptions& o) {
+  if (!o.out.empty()) return o.out;
+  if (o.resume.empty()) return "parloc_map";
+  const std::string folder = std::filesystem::path(checkpoint_path(o)).parent_path().string();
+  return folder.empty() ? "." : folder;
+}
+
 void write_results(OutputFolder& out, const slam::SlamResults& results) {
   const RunReport report = slam::report_of(results);
   write_map(out.staged(kMap), results.mapping.map);
@@ -93,7 +123,8 @@ void write_results(OutputFolder& out, const slam::SlamResults& results) {
   replace_file(out.staged(kMetrics), slam::metrics_json(results));
   write_report(out.staged(kReport), report);
   write_picture(out.staged(kPicture), report);
-  out.publish();
+  const bool interrupted = results.mapping.interrupted;
+  out.publish(interrupted ? std::vector<std::string>{kCheckpoint} : std::vector<std::string>{});
 }
 
 void watch(slam::MapRequest& request, std::optional<LivePicture>& live, const OutputFolder& out) {
@@ -107,13 +138,19 @@ void watch(slam::MapRequest& request, std::optional<LivePicture>& live, const Ou
 int run(const SlamOptions& o, const std::string& typed) {
   // Everything that can be wrong is looked at before the long work.
   slam::MapRequest request;
-  request.config = effective_config(o);
+  std::optional<SlamCheckpoint> checkpoint;
+  if (!o.resume.empty()) checkpoint.emplace(checkpoint_path(o));
+  request.config = checkpoint ? resumed_config(o, *checkpoint) : effective_config(o, FilterConfig{});
+  request.resume = checkpoint ? &*checkpoint : nullptr;
+  request.checkpoint_every_s = o.every.empty() ? 60.0 : parse_number("--checkpoint-every", o.every, 0.0, 1e6);
   request.log_name = o.log;
   const std::unique_ptr<LogReader> log = open_carmen_log(o.log);
   const std::vector<Relation> relations =
       o.relations.empty() ? std::vector<Relation>{} : read_relations(o.relations);
   const Trajectory truth = o.truth.empty() ? Trajectory{} : read_tum(o.truth);
-  OutputFolder out(o.out, {kMap, kImage, kTrajectory, kMetrics, kReport, kPicture, kLivePicture, kLivePage});
+  OutputFolder out(output_folder(o), {kMap, kImage, kTrajectory, kMetrics, kReport, kPicture, kLivePicture,
+                                      kLivePage, kCheckpoint});
+  request.checkpoint = out.final_path(kCheckpoint);
   std::optional<LivePicture> live;  // to the end of the writing: its page then leads to the report
   if (o.live) watch(request, live, out);
 
@@ -132,6 +169,11 @@ int run(const SlamOptions& o, const std::string& typed) {
     fmt::print(stderr, "parloc: interrupted before the first scan, nothing is written\n");
     return kExitInterrupted;
   }
+  if (results.mapping.records.empty()) {
+    fmt::print(stderr, "parloc: interrupted before a scan was taken in, there is only {}\n",
+               request.checkpoint);
+    return kExitInterrupted;
+  }
   if (!o.truth.empty()) slam::compare_with_truth(results, truth);
   if (!o.relations.empty()) results.relations = compare_relations(results.mapping.trajectory, relations);
   write_results(out, results);
@@ -140,6 +182,8 @@ int run(const SlamOptions& o, const std::string& typed) {
   } else if (!o.quiet) {
     fmt::print("{}{:<16}{} (beside it: {}, {}, {}, {})\n", slam::summary_text(results), "map",
                out.final_path(kMap), kReport, kPicture, kTrajectory, kMetrics);
+    if (results.mapping.interrupted)
+      fmt::print("{:<16}parloc slam --resume {} --log {}\n", "to go on", request.checkpoint, o.log);
   }
   return results.mapping.interrupted ? kExitInterrupted : 0;
 }

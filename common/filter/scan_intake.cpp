@@ -1,6 +1,7 @@
 #include "common/filter/scan_intake.h"
 
 #include <algorithm>
+#include <utility>
 
 namespace parloc {
 
@@ -15,6 +16,11 @@ std::size_t ScanIntake::lidar_of(const Scan& scan) {
 void ScanIntake::clear() {
   used_.clear();
   directions_.clear();
+}
+
+void ScanIntake::set_used(std::vector<LidarUse> used) {
+  used_ = std::move(used);
+  directions_.assign(used_.size(), {});
 }
 
 bool ScanIntake::take(const Scan& scan, std::size_t lidar, const ScanConfig& config,

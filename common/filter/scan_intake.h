@@ -21,6 +21,8 @@ class ScanIntake {
             double resolution_m, BeamTable& beams);
   void clear();
   const std::vector<LidarUse>& used() const { return used_; }
+  /// Goes on counting from there.
+  void set_used(std::vector<LidarUse> used);
   BeamCounts total() const;
 
  private:

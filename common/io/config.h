@@ -18,6 +18,10 @@ FilterConfig config_from_text(const std::string& text, const std::string& name,
 /// The whole configuration, every key with a comment that explains it. read_config gives it back.
 std::string config_to_yaml(const FilterConfig& config);
 
+/// The first setting by name in which they differ, and how: "seed is 1 there and 2 here"; empty if there is
+/// none. Where the work is done (backend, threads, device) is not compared.
+std::string config_difference(const FilterConfig& there, const FilterConfig& here);
+
 /// Cross-field rules (mixture sums to 1 within 1e-6, ...). Throws Error{config} naming the key.
 void validate(const FilterConfig& config);
 

@@ -7,6 +7,7 @@
 #include <cstring>
 #include <filesystem>
 #include <system_error>
+#include <utility>
 
 #include "common/error.h"
 
@@ -41,6 +42,30 @@ void replace_file(const std::string& path, std::string_view bytes) {
   if (error_number == 0) return;
   std::remove(temporary.c_str());
   fail(path, error_number);
+}
+
+FileReplacement::FileReplacement(const std::string& path)
+    : path_(path), temporary_(temporary_of(path)), file_(std::fopen(temporary_.c_str(), "wb")) {
+  if (file_ == nullptr) fail(path_, errno);
+}
+
+FileReplacement::~FileReplacement() {
+  if (file_ == nullptr) return;
+  std::fclose(file_);
+  std::remove(temporary_.c_str());
+}
+
+void FileReplacement::write(const void* data, std::size_t size) {
+  if (std::fwrite(data, 1, size, file_) != size) fail(path_, errno);
+}
+
+void FileReplacement::commit() {
+  if (std::fflush(file_) != 0 || fsync(fileno(file_)) != 0) fail(path_, errno);
+  const bool closed = std::fclose(std::exchange(file_, nullptr)) == 0;
+  if (closed && std::rename(temporary_.c_str(), path_.c_str()) == 0) return;
+  const int error_number = errno;
+  std::remove(temporary_.c_str());
+  fail(path_, error_number);
 }
 
 void expect_writable(const std::string& path) {

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstddef>
+#include <utility>
 #include <vector>
 
 #include "common/io/trajectory.h"
@@ -26,6 +27,9 @@ class OdometryTrack {
   /// seconds before the newest is another clock: it starts anew.
   void add(double stamp_s, const Pose& odometry);
   void clear() { readings_.clear(); }
+  /// What it remembers, and taking it up again.
+  const std::vector<StampedPose>& readings() const { return readings_; }
+  void set_readings(std::vector<StampedPose> readings) { readings_ = std::move(readings); }
 
   /// Whether there are two readings far enough apart. Without, the robot is taken to stand still.
   bool knows_motion() const;

@@ -6,10 +6,14 @@
 
 #include "common/error.h"
 #include "common/filter/scan_intake.h"
+#include "common/io/bytes.h"
 #include "common/io/config.h"
+#include "common/io/output_file.h"
 #include "common/math/portable64.h"
 #include "common/math/sha256.h"
+#include "common/slam/checkpoint_frame.h"
 #include "common/slam/path_tree.h"
+#include "common/slam/saved_parts.h"
 #include "common/slam/slam_backend.h"
 
 namespace parloc {
@@ -32,6 +36,29 @@ double way_between(const Pose& a, const Pose& b) {
 Pose blend(const Pose& a, const Pose& b, double part) {
   return {a.x_m + part * (b.x_m - a.x_m), a.y_m + part * (b.y_m - a.y_m),
           wrap64(a.theta_rad + part * wrap64(b.theta_rad - a.theta_rad))};
+}
+
+void put_moment(ByteWriter& w, const Moment& m) {
+  w.put(m.stamp_s);
+  put_pose(w, m.odometry);
+  w.put_count(m.step);
+  w.put_bool(m.counted);
+}
+Moment get_moment(ByteReader& r) {
+  const auto stamp_s = r.get<double>();
+  const Pose odometry = get_pose(r);
+  const std::size_t step = r.get<std::uint64_t>();
+  return {stamp_s, odometry, step, r.get_bool()};
+}
+void put_record(ByteWriter& w, const SlamRecord& record) {
+  w.put(record.stamp_s), w.put(record.n_eff);
+  w.put_bool(record.resampled);
+  w.put_count(record.tiles);
+}
+SlamRecord get_record(ByteReader& r) {
+  const auto stamp_s = r.get<double>(), n_eff = r.get<double>();
+  const bool resampled = r.get_bool();
+  return {stamp_s, n_eff, resampled, static_cast<std::size_t>(r.get<std::uint64_t>())};
 }
 
 FilterConfig with_own_beams(FilterConfig c) {
@@ -84,6 +111,9 @@ struct GridSlam::State {
            beams.hits >= static_cast<std::size_t>(config.scan.min_beams);
   }
   Pose pose_at(const Moment& m, const std::vector<Pose>& path) const;
+  /// All members above but config, and what follows from the others. The order is that of the file.
+  void save(ByteWriter& w) const;
+  void load(ByteReader& r);
 };
 
 GridSlam::GridSlam(const FilterConfig& config) : state_(std::make_unique<State>(config)) {
@@ -91,7 +121,52 @@ GridSlam::GridSlam(const FilterConfig& config) : state_(std::make_unique<State>(
   std::string why;
   state_->backend = make_slam_backend(config.backend, {config.slam, config.threads, config.device}, why);
 }
+GridSlam::GridSlam(SlamCheckpoint checkpoint) : GridSlam(checkpoint.config) {
+  const std::string change = config_difference(checkpoint.saved_config_, checkpoint.config);
+  if (!change.empty()) throw Error(ErrorKind::config, checkpoint.name() + ": " + change);
+  state_->load(*checkpoint.rest_);
+}
 GridSlam::~GridSlam() = default;
+
+void GridSlam::save(const std::string& path, const std::string& own) const {
+  FileReplacement file(path);
+  ByteWriter w([&](const void* data, std::size_t size) { file.write(data, size); });
+  put_checkpoint_begin(w);
+  w.put_text(config_to_yaml(state_->config));
+  w.put_text(own);
+  state_->save(w);
+  put_checkpoint_end(w);
+  file.commit();
+}
+
+void GridSlam::State::save(ByteWriter& w) const {
+  put_backend(w, *backend);
+  put_trajectory(w, track.readings());
+  put_lidars(w, intake.used());
+  w.put_bool(odometry.has_value());
+  if (odometry) put_pose(w, *odometry);
+  w.put_each(moments, put_moment);
+  w.put_each(odometry_of, put_pose);
+  w.put_each(records, put_record);
+  paths.save(w);
+}
+
+void GridSlam::State::load(ByteReader& r) {
+  last = &get_backend(r, *backend, config.slam);
+  track.set_readings(get_readings(r));
+  intake.set_used(get_lidars(r));
+  if (r.get_bool()) odometry = get_pose(r);
+  moments = r.get_each(41, get_moment);
+  odometry_of = r.get_each(24, get_pose);
+  records = r.get_each(25, get_record);
+  paths.load(r);
+  r.expect(r.left() == 0, "its end");
+  const std::size_t steps = records.size();
+  r.expect(odometry_of.size() == steps && paths.steps() == steps && odometry.has_value() == (steps > 0),
+           "as much of everything as there were scans");
+  for (const Moment& m : moments) r.expect(m.step < steps, "scans between those that counted");
+  if (steps == 0) last = nullptr;
+}
 
 void GridSlam::add_odometry(double stamp_s, const Pose& odometry) {
   state_->track.add(stamp_s, odometry);

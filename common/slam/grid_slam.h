@@ -12,6 +12,7 @@
 #include "common/io/trajectory.h"
 #include "common/map/grid_map.h"
 #include "common/model/beam_counts.h"
+#include "common/slam/slam_checkpoint.h"
 
 namespace parloc {
 
@@ -35,7 +36,15 @@ class GridSlam {
   /// Reads particles..seed, motion, scan, lidars and slam of the configuration. Throws Error{config} and
   /// Error{backend}.
   explicit GridSlam(const FilterConfig& config);
+  /// Goes on from what save() wrote: the same input then gives the same bits as if there had been no break.
+  /// Throws Error{input} for a state that makes no sense, Error{config} if checkpoint.config has become
+  /// another in more than backend, threads and device.
+  explicit GridSlam(SlamCheckpoint checkpoint);
   ~GridSlam();
+
+  /// Writes everything that is needed to go on from here, `own` beside it for the caller. The file is there
+  /// as a whole and on the disk, or is what it was. Throws Error{output}.
+  void save(const std::string& path, const std::string& own = {}) const;
 
   void add_odometry(double stamp_s, const Pose& odometry);
   /// Takes a scan in if the robot has moved far enough since the last one that counted; whether it did. The

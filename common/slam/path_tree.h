@@ -10,6 +10,9 @@
 
 namespace parloc {
 
+class ByteReader;
+class ByteWriter;
+
 class PathTree {
  public:
   struct Node {
@@ -28,6 +31,9 @@ class PathTree {
   std::vector<std::size_t> distinct() const;
   std::size_t steps() const { return steps_; }
   std::size_t nodes() const { return node_.size() - free_.size(); }
+  void save(ByteWriter& w) const;
+  /// What save() wrote, of as many particles. Throws Error{input}.
+  void load(ByteReader& r);
 
  private:
   std::uint32_t make(const Node& node);

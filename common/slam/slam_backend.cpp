@@ -101,6 +101,20 @@ std::vector<std::uint32_t> moved_tables(const std::vector<std::uint32_t>& table,
   return out;
 }
 
+std::vector<std::uint32_t> count_references(const std::vector<std::uint32_t>& table, std::size_t tiles) {
+  std::vector<std::uint32_t> references(tiles, 0);
+  for (const std::uint32_t id : table) ++references[id];
+  references[kNoTile] = 1;  // never free
+  return references;
+}
+
+std::vector<std::uint32_t> first_free(const std::uint32_t* references, std::size_t count) {
+  std::vector<std::uint32_t> ids;
+  for (std::uint32_t id = 1; ids.size() < count; ++id)
+    if (references[id] == 0) ids.push_back(id);
+  return ids;
+}
+
 namespace {
 
 /// The smallest part of the span with all tiles that the table names.

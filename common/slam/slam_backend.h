@@ -34,6 +34,14 @@ struct SlamCells {
   TileSpan span;                                                 ///< What the tables cover.
 };
 
+/// All that a backend has between two steps but the tiles themselves, in host memory.
+struct SlamSnapshot {
+  std::vector<float> x, y, theta, log_weight, likelihood;  ///< By slot, as SlamStep has them.
+  bool empty = true;                                       ///< No map has a cell yet.
+  TileSpan span;
+  std::vector<std::uint32_t> table;  ///< [N][span.size()]
+};
+
 class SlamBackend {
  public:
   virtual ~SlamBackend() = default;
@@ -43,6 +51,14 @@ class SlamBackend {
   /// Moves all particles by odometry, takes the scan in, resamples, and writes the scan into their maps.
   virtual const SlamStep& step(const MotionStep& motion, RandomKey key, const BeamTable& scan) = 0;
   virtual SlamCells map_of(std::size_t particle) const = 0;
+
+  virtual SlamSnapshot save() const = 0;
+  /// Goes on from there, or from what was made of it: tiles that no table names any more are free.
+  virtual const SlamStep& load(const SlamSnapshot& snapshot) = 0;
+  /// So many that no table names, to be written and then named by load().
+  virtual std::vector<std::uint32_t> free_tiles(std::size_t count) = 0;
+  virtual void write_tiles(const std::vector<std::uint32_t>& ids, const Tile* from) = 0;
+  virtual void read_tiles(const std::vector<std::uint32_t>& ids, Tile* to) const = 0;
 };
 
 /// Rules of a configuration; the scan's and the step's part is left open.
@@ -61,6 +77,10 @@ TileSpan grown_span(const TileSpan& span, const std::vector<float>& x, const std
 std::vector<std::uint32_t> moved_tables(const std::vector<std::uint32_t>& table, const TileSpan& from,
                                         const TileSpan& to, std::size_t particles);
 
+/// How many tables name each of `tiles` tiles; the empty one counts as named.
+std::vector<std::uint32_t> count_references(const std::vector<std::uint32_t>& table, std::size_t tiles);
+/// The first `count` tiles without a reference.
+std::vector<std::uint32_t> first_free(const std::uint32_t* references, std::size_t count);
 /// The cells that a table names; read(id, tile) fetches a tile.
 SlamCells gather_cells(const TileSpan& span, const std::uint32_t* table,
                        const std::function<void(std::uint32_t, Tile&)>& read);

@@ -4,7 +4,11 @@
 #include <gtest/gtest.h>
 
 #include <ostream>
+#include <sstream>
+#include <string>
 
+#include "common/io/bytes.h"
+#include "common/slam/saved_parts.h"
 #include "common/slam/slam_backend.h"
 #include "tests/stage/room_of_blocks.h"
 #include "tests/stage/room_scan.h"
@@ -28,8 +32,21 @@ struct Trace {
 
 constexpr std::uint32_t kSteps = 12;
 
-/// Drives 3 m through the room.
-Trace run(SlamBackend& backend, const SlamBackendConfig& config) {
+/// Into another backend, as a checkpoint does.
+void hand_over(const SlamBackend& from, SlamBackend& to, const SlamConfig& config) {
+  std::string bytes;
+  ByteWriter w([&](const void* data, std::size_t n) { bytes.append(static_cast<const char*>(data), n); });
+  put_backend(w, from);
+  w.flush();
+  std::istringstream in(bytes);
+  ByteReader r(in, bytes.size(), "bytes");
+  get_backend(r, to, config);
+  EXPECT_EQ(r.left(), 0u);
+}
+
+/// Drives 3 m through the room. From step `change` on with the backend `next`, which takes over.
+Trace run(SlamBackend& first, const SlamBackendConfig& config, std::uint32_t change = 0xffffffffu,
+          SlamBackend* next = nullptr) {
   const GridMap map = test::room_of_blocks(test::rows_with_blocks_and_wall());
   Pose truth = compose(map.T_map_grid, {0.8, 1.5, 0.1});
   Trace t;
@@ -37,6 +54,8 @@ Trace run(SlamBackend& backend, const SlamBackendConfig& config) {
   BeamCounts counts;
   ScanConfig scan_config;
   for (std::uint32_t step = 0; step < kSteps; ++step) {
+    if (step == change) hand_over(first, *next, config.slam);
+    SlamBackend& backend = step < change ? first : *next;
     scan_config.max_beams = step == 3 ? 200 : 90 + 20 * static_cast<int>(step % 3);
     const float turn_rad = step % 4 == 2 ? 0.3f : -0.1f;
     const bool moves = step > 0;
@@ -48,7 +67,7 @@ Trace run(SlamBackend& backend, const SlamBackendConfig& config) {
     t.resampled += t.steps.back().state.resample;
   }
   for (const std::int64_t k : {std::int64_t{0}, config.slam.particles - 1})
-    t.maps.push_back(backend.map_of(static_cast<std::size_t>(k)));
+    t.maps.push_back((change < kSteps ? *next : first).map_of(static_cast<std::size_t>(k)));
   return t;
 }
 
@@ -173,6 +192,36 @@ TEST_P(SlamBackends, StartsAnew) {
   expect_same(first, run(*backend, config(9, 1)));
 }
 
+// From a checkpoint of one backend the other goes on.
+TEST_P(SlamBackends, TakeOverFromEachOther) {
+  const SlamBackendConfig c = config(21, 2);
+  const Trace whole = cpu(21, 2);
+  for (const std::uint32_t change : {0u, 1u, 5u, 8u, kSteps - 1}) {
+    SCOPED_TRACE(change);
+    const auto one = make_cpu_slam_backend(c), other = make_cpu_slam_backend(c);
+    const auto kernels = cuda_on_host::make_slam_backend_on_host(c);
+    expect_same(whole, run(*one, c, change, other.get()));
+    one->start();
+    expect_same(whole, run(*one, c, change, kernels.get()));
+    kernels->start();
+    other->start();
+    expect_same(whole, run(*kernels, c, change, other.get()));
+  }
+}
+
+// Into a backend that has done something else before, whose tiles are then free.
+TEST_P(SlamBackends, WhatIsTakenOverReplacesWhatWas) {
+  const SlamBackendConfig c = config(21, 2);
+  const Trace whole = cpu(21, 2);
+  const auto one = make_cpu_slam_backend(c), other = make_cpu_slam_backend(c);
+  const auto kernels = cuda_on_host::make_slam_backend_on_host(c);
+  for (SlamBackend* used : {other.get(), kernels.get()}) {
+    run(*used, c);
+    one->start();
+    expect_same(whole, run(*one, c, 6, used));
+  }
+}
+
 TEST_P(SlamBackends, GpuEqualsCpu) {
   std::unique_ptr<SlamBackend> gpu;
   try {
@@ -181,7 +230,12 @@ TEST_P(SlamBackends, GpuEqualsCpu) {
   } catch (const Error& e) {
     PARLOC_WITHOUT_GPU(e);
   }
-  expect_same(cpu(40, 2), run(*gpu, config(40, 1)));
+  const Trace whole = cpu(40, 2);
+  expect_same(whole, run(*gpu, config(40, 1)));
+  const auto host = make_cpu_slam_backend(config(40, 2));
+  expect_same(whole, run(*host, config(40, 2), 5, gpu.get()));
+  gpu->start();
+  expect_same(whole, run(*gpu, config(40, 2), 7, host.get()));
 }
 
 std::string name_of(const testing::TestParamInfo<Way>& tested) {

@@ -3,10 +3,12 @@
 #include <algorithm>
 #include <chrono>
 #include <limits>
+#include <utility>
 
 #include "common/error.h"
 #include "tools/even_sample.h"
 #include "tools/scan_stream.h"
+#include "tools/slam/checkpoints.h"
 
 namespace parloc::slam {
 namespace {
@@ -31,22 +33,29 @@ void finish(const GridSlam& slam, Mapping& m) {
 
 }  // namespace
 
-Mapping map_log(LogReader& log, const MapRequest& request) {
+Mapping map_log(LogReader& source, const MapRequest& request) {
+  DigestedLog log(source);
   tools::ScanStream scans(log, request.config, [](std::size_t) {});
   LogRecord record;
   if (!scans.next(record)) throw tools::no_scan(request.log_name, log.warnings());
-  GridSlam slam(request.config);
+  Checkpoints checkpoints(request, log);
+  GridSlam slam = request.resume != nullptr ? GridSlam(std::move(*request.resume)) : GridSlam(request.config);
   Mapping m;
   tools::EvenSample<Growth> growth(22);
-  const Clock::time_point begun = Clock::now();
+  m.step_s = checkpoints.from().step_s;
+  m.resumed_at = checkpoints.from().scans;
   double earliest_s = record.stamp_s, latest_s = record.stamp_s;
   const Pose T_odometry_map = record.odometry;
   bool more = true;
-  while (more && !(request.stop && request.stop())) {
-    scans.pass_odometry(
-        [&](const StampedPose& reading) { slam.add_odometry(reading.stamp_s, reading.pose); });
+  while (more) {
+    const bool again = checkpoints.has_next(m.scans);
+    if (!again && request.stop && request.stop()) break;
+    if (!again) checkpoints.write_when_due(slam, m);
+    scans.pass_odometry([&](const StampedPose& reading) {
+      if (!again) slam.add_odometry(reading.stamp_s, reading.pose);
+    });
     const Clock::time_point step_begun = Clock::now();
-    const bool taken_in = slam.step(record.odometry, record.scan);
+    const bool taken_in = !again && slam.step(record.odometry, record.scan);
     if (taken_in) m.step_s.push_back(seconds_since(step_begun));
     ++m.scans;
     earliest_s = std::min(earliest_s, record.stamp_s), latest_s = std::max(latest_s, record.stamp_s);
@@ -56,10 +65,13 @@ Mapping map_log(LogReader& log, const MapRequest& request) {
     if (request.progress) request.progress(log.progress(), m.scans);
     more = scans.next(record);
   }
+  if (!more) checkpoints.expect_passed(m.scans);
   m.interrupted = more;
   m.warnings = log.warnings();
   m.log_s = latest_s - earliest_s;
   if (m.scans == 0) return m;
+  if (m.interrupted) checkpoints.write(slam, m);
+  if (m.interrupted && slam.records().empty()) return m;
   if (slam.records().empty())
     throw input_error(
         request.log_name, 0,
@@ -67,7 +79,7 @@ Mapping map_log(LogReader& log, const MapRequest& request) {
   growth.finish([&] { return growth_of(slam, m.scans); });
   m.growth = growth.take();
   finish(slam, m);
-  m.wall_s = seconds_since(begun);
+  m.wall_s = checkpoints.wall_s();
   return m;
 }
 

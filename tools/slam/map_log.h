@@ -23,7 +23,10 @@ struct MapRequest {
   std::function<void(double fraction, std::size_t scans)> progress;  ///< After every scan; may be empty.
   /// After every scan that was taken in; may be empty. `scans` were read.
   std::function<void(const GridSlam& slam, std::size_t scans)> watch;
-  std::function<bool()> stop;  ///< Asked before every scan; may be empty. True ends the work early.
+  std::function<bool()> stop;        ///< Asked before every scan; may be empty. True ends the work early.
+  std::string checkpoint;            ///< Where the state is written when the work ends early; empty: nowhere.
+  double checkpoint_every_s = 0.0;   ///< ... and how often besides, of wall time; 0: not.
+  SlamCheckpoint* resume = nullptr;  ///< Goes on from there, with `config`; the log from its beginning.
 };
 
 struct Mapping {
@@ -36,6 +39,7 @@ struct Mapping {
   std::vector<double> step_s;         ///< Wall time of each of them.
   std::vector<Growth> growth;         ///< Evenly over such scans, 23 at most, the last one among them.
   std::size_t scans = 0;              ///< Read from the log.
+  std::size_t resumed_at = 0;         ///< So many of these were done before the checkpoint.
   SlamMemory memory;
   std::vector<LidarUse> lidars;
   LogWarnings warnings;
@@ -47,7 +51,8 @@ struct Mapping {
   double real_time_factor() const { return wall_s > 0.0 ? log_s / wall_s : 0.0; }
 };
 
-/// Deterministic but for the times. Throws Error{input} for a log without a scan that can be used;
+/// Deterministic but for the times, with or without a break. Ended before a scan was taken in it has no map.
+/// Throws Error{input} for a log without a scan that can be used, and for one that is not the checkpoint's;
 /// Error{config} and Error{backend} as GridSlam.
 Mapping map_log(LogReader& log, const MapRequest& request);
 

@@ -39,8 +39,10 @@ std::string depletion_text(const Mapping& m) {
 std::vector<Fact> main_facts(const SlamResults& results) {
   const Mapping& m = results.mapping;
   std::vector<Fact> facts;
-  facts.push_back({"scans", fmt::format("{} read, {} taken in{}", m.scans, m.records.size(),
-                                        m.interrupted ? " (interrupted)" : "")});
+  facts.push_back(
+      {"scans", fmt::format("{} read, {} taken in{}{}", m.scans, m.records.size(),
+                            m.resumed_at > 0 ? fmt::format(", resumed after {}", m.resumed_at) : "",
+                            m.interrupted ? " (interrupted)" : "")});
   facts.push_back(
       {"map", fmt::format("{} x {} cells of {} m", m.map.width, m.map.height, m.map.resolution_m)});
   if (results.relations && results.relations->compared > 0)
@@ -154,6 +156,7 @@ std::string metrics_json(const SlamResults& results) {
   json["truth"] = truth_json(results.errors);
   json["scans"] = m.scans;
   json["scans_taken_in"] = m.records.size();
+  json["resumed_at"] = m.resumed_at;
   json["interrupted"] = m.interrupted;
   json["distance_m"] = length_m(m.trajectory);
   json["n_eff"] = n_eff_json(m.records);

@@ -1,0 +1,137 @@
+// `parloc slam` broken off by a signal, by a kill, and again on the way: with --resume it ends with the bytes
+// of a run that was not.
+#include <gtest/gtest.h>
+
+#include <filesystem>
+#include <string>
+
+#include "common/io/trajectory.h"
+#include "tests/system/program_fixture.h"
+#include "tests/unit/small_drive.h"
+
+namespace parloc::test {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr int kScans = 200;
+
+class SlamResume : public ProgramSuite {
+ protected:
+  static void SetUpTestSuite() {
+    open("parloc_slam_resume_test");
+    const SmallDrive drive = small_drive(small_room(), kScans);
+    const std::string log = carmen_log_of(drive);
+    write_file(path("drive.log"), log);
+    SmallDrive other = drive;
+    other.scans[1].scan.ranges_m[7] += 0.01f;
+    write_file(path("other.log"), carmen_log_of(other));
+    // A slow matcher: the whole takes seconds, so that there is time to break it off.
+    write_file(path("slow.yaml"),
+               "slam:\n  update_min_d: 0.01\n  iterations: 20\n  max_beams: 61\n  particles: 40\n");
+  }
+  static Args args(const std::string& out, const Args& more = {}) {
+    return with({"slam", "--log", path("drive.log"), "--backend", "cpu", "--quiet", "--out", path(out)},
+                more);
+  }
+  static Args fresh(const std::string& out, const Args& more = {}) {
+    return with(args(out, {"--config", path("slow.yaml"), "--threads", "1"}), more);
+  }
+  static void wait_for_checkpoint(const std::string& out) {
+    for (int k = 0; k < 6000 && !fs::exists(path(out + "/checkpoint")); ++k)
+      std::this_thread::sleep_for(std::chrono::milliseconds(10));
+    ASSERT_TRUE(fs::exists(path(out + "/checkpoint")));
+  }
+  static void expect_same_results(const std::string& a, const std::string& b) {
+    for (const char* name : {"/map.pgm", "/map.yaml", "/trajectory.tum"}) {
+      EXPECT_FALSE(read_file(path(a + name)).empty()) << name;
+      EXPECT_TRUE(read_file(path(a + name)) == read_file(path(b + name))) << name;
+    }
+    EXPECT_EQ(json_of(a + "/metrics.json").at("digest"), json_of(b + "/metrics.json").at("digest"));
+    EXPECT_FALSE(fs::exists(path(b + "/checkpoint")));
+  }
+};
+
+TEST_F(SlamResume, EndsAsIfThereHadBeenNoBreak) {
+  const Outcome whole = call(fresh("whole"));
+  ASSERT_EQ(whole.code, 0) << whole.err;
+  EXPECT_FALSE(fs::exists(path("whole/checkpoint")));
+
+  // Ctrl-C: a map, and a checkpoint.
+  pid_t child = runner->start(fresh("cut", {"--checkpoint-every", "0.1"}));
+  wait_for_checkpoint("cut");
+  kill(child, SIGINT);
+  const Outcome cut = runner->finish(child);
+  ASSERT_EQ(cut.code, 130) << cut.err;
+  const std::size_t rows = read_tum(path("cut/trajectory.tum")).size();
+  EXPECT_LT(rows, static_cast<std::size_t>(kScans));
+  EXPECT_EQ(json_of("cut/metrics.json").at("interrupted"), true);
+  EXPECT_EQ(contents(path("cut")).size(), 7u);
+  fs::copy(path("cut"), path("cut_again"));
+
+  // Into another folder; a checkpoint that is read stays.
+  const Outcome resumed = call(args("resumed", {"--resume", path("cut"), "--threads", "2"}));
+  ASSERT_EQ(resumed.code, 0) << resumed.err;
+  EXPECT_EQ(json_of("resumed/metrics.json").at("resumed_at"), rows);
+  EXPECT_EQ(json_of("resumed/metrics.json").at("scans"), kScans);
+  expect_same_results("whole", "resumed");
+  EXPECT_TRUE(fs::exists(path("cut/checkpoint")));
+
+  // Killed on the way, and gone on from what was written every now and then, in the same folder.
+  fs::remove(path("killed/checkpoint"));
+  child = runner->start(args("killed", {"--resume", path("cut/checkpoint"), "--checkpoint-every", "0.1"}));
+  wait_for_checkpoint("killed");
+  kill(child, SIGKILL);
+  EXPECT_EQ(runner->finish(child).code, -1);
+  const Outcome last = call({"slam", "--log", path("drive.log"), "--resume", path("killed"), "--quiet"});
+  ASSERT_EQ(last.code, 0) << last.err;
+  EXPECT_GT(json_of("killed/metrics.json").at("resumed_at"), rows);
+  expect_same_results("whole", "killed");
+}
+
+TEST_F(SlamResume, WhatDoesNotFitIsOneLine) {
+  const pid_t child = runner->start(fresh("fits", {"--checkpoint-every", "0.1"}));
+  wait_for_checkpoint("fits");
+  kill(child, SIGTERM);
+  ASSERT_EQ(runner->finish(child).code, 130);
+  const std::string good = read_file(path("fits/checkpoint"));
+  write_file(path("short"), good.substr(0, good.size() / 2));
+  write_file(path("faster.yaml"), "slam:\n  iterations: 4\n");
+  fs::create_directories(path("empty"));
+  const auto resume = [&](const std::string& log, const Args& more) {
+    return with({"slam", "--log", path(log), "--quiet", "--out", path("none")}, more);
+  };
+  const Args fits{"--resume", path("fits")};
+  const ProgramCase cases[] = {
+      {resume("other.log", fits), 3, "other.log: expected the log of the checkpoint"},
+      {resume("drive.log", {"--resume", path("empty")}), 3, "empty/checkpoint: cannot be opened"},
+      {resume("drive.log", {"--resume", path("drive.log")}), 3, "expected a checkpoint of parloc slam"},
+      {resume("drive.log", {"--resume", path("short")}), 3, "damaged or cut short"},
+      {resume("drive.log", with(fits, {"--seed", "2"})), 2, "seed is 1 there and 2 here"},
+      {resume("drive.log", with(fits, {"--particles", "30"})), 2, "slam.particles is 40 there and 30 here"},
+      {resume("drive.log", with(fits, {"--config", path("faster.yaml")})), 2, "slam.iterations is 20 there"},
+      {resume("drive.log", with(fits, {"--checkpoint-every", "-1"})), 2, "--checkpoint-every"},
+  };
+  for (const ProgramCase& c : cases) expect_error(call(c.args), c);
+  EXPECT_FALSE(fs::exists(path("none")));
+  // The settings that it was made with are no contradiction.
+  const Outcome same = call(with(fresh("same"), fits));
+  EXPECT_EQ(same.code, 0) << same.err;
+}
+
+TEST_F(SlamResume, ALogThatEndsTooEarlyIsAnotherLog) {
+  const pid_t child = runner->start(fresh("late", {"--checkpoint-every", "0"}));
+  while (!fs::exists(path("late"))) std::this_thread::sleep_for(std::chrono::milliseconds(5));
+  std::this_thread::sleep_for(std::chrono::milliseconds(300));
+  kill(child, SIGINT);
+  const Outcome cut = runner->finish(child);
+  ASSERT_EQ(cut.code, 130) << cut.err;
+  ASSERT_TRUE(fs::exists(path("late/checkpoint"))) << cut.err;
+  const std::string log = read_file(path("drive.log"));
+  write_file(path("one.log"), log.substr(0, log.find('\n') + 1));
+  expect_one_line(call({"slam", "--log", path("one.log"), "--resume", path("late"), "--quiet"}), 3,
+                  "one.log: expected the log of the checkpoint");
+}
+
+}  // namespace
+}  // namespace parloc::test

@@ -1,0 +1,56 @@
+#include "tools/slam/checkpoints.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+
+#include "common/error.h"
+
+namespace parloc::slam {
+namespace {
+
+double seconds(std::chrono::steady_clock::duration time) {
+  return std::chrono::duration<double>(time).count();
+}
+
+Error another_log(const MapRequest& request, const MapPosition& from) {
+  return input_error(
+      request.log_name, 0,
+      fmt::format("expected the log of the checkpoint, {}, found another in its first {} scans",
+                  from.log_name, from.scans));
+}
+
+}  // namespace
+
+Checkpoints::Checkpoints(const MapRequest& request, const DigestedLog& log)
+    : request_(request), log_(log), pause_s_(request.checkpoint_every_s) {
+  if (request.resume != nullptr) from_ = map_position_from(request.resume->own, request.resume->name());
+}
+
+bool Checkpoints::has_next(std::size_t scans) const {
+  if (scans == from_.scans && scans > 0 && log_.digest() != from_.digest) throw another_log(request_, from_);
+  return scans < from_.scans;
+}
+
+void Checkpoints::expect_passed(std::size_t scans) const {
+  if (scans <= from_.scans) throw another_log(request_, from_);
+}
+
+void Checkpoints::write_when_due(const GridSlam& slam, const Mapping& m) {
+  if (request_.checkpoint_every_s > 0.0 && seconds(Clock::now() - written_) >= pause_s_) write(slam, m);
+}
+
+void Checkpoints::write(const GridSlam& slam, const Mapping& m) {
+  if (request_.checkpoint.empty()) return;
+  const Clock::time_point begun = Clock::now();
+  slam.save(request_.checkpoint, to_bytes({request_.log_name, m.scans, log_.digest(), m.step_s, wall_s()}));
+  constexpr double kMostShare = 0.05;  // of the time, however large the state has become
+  written_ = Clock::now();
+  pause_s_ = std::max(request_.checkpoint_every_s, seconds(written_ - begun) / kMostShare);
+}
+
+double Checkpoints::wall_s() const {
+  return from_.wall_s + seconds(Clock::now() - begun_);
+}
+
+}  // namespace parloc::slam

@@ -1,0 +1,41 @@
+// The breaks in the mapping of a log: checkpoints that are written on the way, and the one it goes on from.
+#pragma once
+
+#include <chrono>
+#include <cstddef>
+
+#include "tools/slam/digested_log.h"
+#include "tools/slam/map_log.h"
+#include "tools/slam/map_position.h"
+
+namespace parloc::slam {
+
+class Checkpoints {
+ public:
+  /// To be made before the request's checkpoint is used up. `log`: what of it is read must be the same.
+  Checkpoints(const MapRequest& request, const DigestedLog& log);
+
+  /// Where the checkpoint stands; all zero without one.
+  const MapPosition& from() const { return from_; }
+  /// Whether the checkpoint has the next scan, after so many, in it: then only the log is to be read again.
+  /// Throws Error{input} once the log is seen to be another.
+  bool has_next(std::size_t scans) const;
+  /// The log is at its end. Throws likewise.
+  void expect_passed(std::size_t scans) const;
+
+  void write_when_due(const GridSlam& slam, const Mapping& m);
+  void write(const GridSlam& slam, const Mapping& m);
+  /// That has gone by, in all parts together.
+  double wall_s() const;
+
+ private:
+  using Clock = std::chrono::steady_clock;
+
+  const MapRequest& request_;
+  const DigestedLog& log_;
+  MapPosition from_;
+  double pause_s_;
+  Clock::time_point begun_ = Clock::now(), written_ = begun_;
+};
+
+}  // namespace parloc::slam
