@@ -4,18 +4,18 @@
 
 namespace parloc::cpu {
 
-void assign_tiles(const std::uint8_t* touched, std::size_t particles, const SlamMaps& maps, TileStore& store,
-                  std::vector<NewTile>& fresh, Workers& workers) {
+void list_new_tiles(const std::uint8_t* touched, std::size_t particles, const SlamMaps& maps,
+                    TileStore& store, std::vector<NewTile>& fresh) {
   const std::size_t count = particles * maps.span.size();
   fresh.clear();
-  std::vector<std::size_t> places;
   for (std::size_t k = 0; k < count; ++k) {
     if (touched[k] == 0) continue;
     const std::uint32_t id = maps.table[k];
-    if (id != kNoTile && store.refs()[id] == 1) continue;
-    fresh.push_back({0, id});
-    places.push_back(k);
+    if (id == kNoTile || store.refs()[id] != 1) fresh.push_back({0, id, k});
   }
+}
+
+void assign_tiles(std::vector<NewTile>& fresh, const SlamMaps& maps, TileStore& store, Workers& workers) {
   store.make_room(fresh.size());
   std::uint32_t* refs = store.refs();
   std::uint32_t next = 1;
@@ -24,9 +24,9 @@ void assign_tiles(const std::uint8_t* touched, std::size_t particles, const Slam
     while (refs[next] != 0) ++next;
     tile.id = next++;
   }
-  for (std::size_t k = 0; k < fresh.size(); ++k) {
-    refs[fresh[k].id] = 1;
-    maps.table[places[k]] = fresh[k].id;
+  for (const NewTile& tile : fresh) {
+    refs[tile.id] = 1;
+    maps.table[tile.place] = tile.id;
   }
   for (const NewTile& tile : fresh)
     if (tile.from != kNoTile) freed += --refs[tile.from] == 0 ? 1 : 0;

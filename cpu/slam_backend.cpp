@@ -48,15 +48,23 @@ class CpuSlamBackend final : public SlamBackend {
     empty_ = true;
   }
 
-  const SlamStep& step(const MotionStep& motion, RandomKey key, const BeamTable& scan) override {
-    const Beams beams = bind_beams(scan);
+  void move(const MotionStep& motion, RandomKey key, const BeamTable& scan) override {
+    scan_ = &scan;
     propose(motion, key, scan);
     resample(key);
     cover(now_);
-    cpu::mark_tiles(draw_, propose_.match, beams, span_, view(now_), touched_.data(), workers_);
-    cpu::assign_tiles(touched_.data(), count_, maps(), store_, fresh_, workers_);
+    note_state();
+  }
+  std::size_t mark() override {
+    cpu::mark_tiles(draw_, propose_.match, bind_beams(*scan_), span_, view(now_), touched_.data(), workers_);
+    cpu::list_new_tiles(touched_.data(), count_, maps(), store_, fresh_);
+    return store_.used() + fresh_.size();
+  }
+  const SlamStep& write() override {
+    const Beams beams = bind_beams(*scan_);
+    cpu::assign_tiles(fresh_, maps(), store_, workers_);
     cpu::register_scan(draw_, propose_.match, beams, maps(), view(now_), touched_.data(), workers_);
-    empty_ = empty_ && scan.hits == 0;
+    empty_ = empty_ && beams.hits == 0;
     note_state();
     return last_;
   }
@@ -162,6 +170,7 @@ class CpuSlamBackend final : public SlamBackend {
   std::vector<std::uint32_t> table_, other_table_;
   std::vector<std::uint8_t> touched_;
   std::vector<cpu::NewTile> fresh_;
+  const BeamTable* scan_ = nullptr;  ///< Between move() and write().
   SlamStep last_;
   bool empty_ = true;  ///< No map has a cell yet.
 };

@@ -34,6 +34,7 @@ class TileStore {
 /// A tile that a particle is about to write for the first time.
 struct NewTile {
   std::uint32_t id, from;
+  std::size_t place;  ///< In the tables of all particles.
 };
 
 void propose(const ProposeRules& rules, const Beams& beams, const SlamMaps& maps, const Particles& particles,
@@ -44,8 +45,10 @@ void inherit_tiles(const std::uint32_t* ancestor, std::size_t particles, const S
 /// touched: [N][span.size()], 1: the scan comes there.
 void mark_tiles(const DrawRules& rules, const MatchRules& match, const Beams& beams, const TileSpan& span,
                 const Particles& particles, std::uint8_t* touched, Workers& workers);
-void assign_tiles(const std::uint8_t* touched, std::size_t particles, const SlamMaps& maps, TileStore& store,
-                  std::vector<NewTile>& fresh, Workers& workers);
+/// The places that need a tile, and what is there now.
+void list_new_tiles(const std::uint8_t* touched, std::size_t particles, const SlamMaps& maps,
+                    TileStore& store, std::vector<NewTile>& fresh);
+void assign_tiles(std::vector<NewTile>& fresh, const SlamMaps& maps, TileStore& store, Workers& workers);
 void register_scan(const DrawRules& rules, const MatchRules& match, const Beams& beams, const SlamMaps& maps,
                    const Particles& particles, const std::uint8_t* touched, Workers& workers);
 

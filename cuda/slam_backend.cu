@@ -61,15 +61,30 @@ class CudaSlamBackend final : public SlamBackend {
     empty_ = true;
   }
 
-  const SlamStep& step(const MotionStep& motion, RandomKey key, const BeamTable& scan) override {
+  void move(const MotionStep& motion, RandomKey key, const BeamTable& scan) override {
     select_device(device_);
     set_input(motion, key, scan);
     cover();
     propose(propose_, beams(), maps(), view(*now_), likelihood_.data(), stream_);
     resample_particles();
     cover();
-    write_scan();
-    empty_ = empty_ && scan.hits == 0;
+  }
+  std::size_t mark() override {
+    select_device(device_);
+    mark_tiles(draw_, propose_.match, beams(), span_, view(*now_), touched_.data(), stream_);
+    count_new_tiles(touched_.data(), count_, maps(), store_->refs(), room_, scratch_, stream_);
+    copy_up(&needed_, room_.need.data() + count_ * span_.size() - 1, sizeof needed_, stream_);
+    note_size(freed_.to_host(1, stream_)[0]);  // waits for `needed_` as well
+    return last_.tiles + static_cast<std::size_t>(needed_);
+  }
+  const SlamStep& write() override {
+    select_device(device_);
+    store_->make_room(last_.tiles + needed_, stream_);
+    assign_tiles(needed_, count_, maps(), *store_, freed_.data(), room_, scratch_, stream_);
+    register_scan(draw_, propose_.match, beams(), maps(), view(*now_), touched_.data(), stream_);
+    taken_ += needed_;
+    note_size(freed_.to_host(1, stream_)[0]);
+    empty_ = empty_ && beams().hits == 0;
     return last_;
   }
 
@@ -193,18 +208,6 @@ class CudaSlamBackend final : public SlamBackend {
     last_.tiles = taken_ - freed;
     last_.table_bytes = 2 * count_ * span_.size() * sizeof(std::uint32_t);
   }
-  void write_scan() {
-    mark_tiles(draw_, propose_.match, beams(), span_, view(*now_), touched_.data(), stream_);
-    count_new_tiles(touched_.data(), count_, maps(), store_->refs(), room_, scratch_, stream_);
-    std::uint64_t needed = 0;
-    copy_up(&needed, room_.need.data() + count_ * span_.size() - 1, sizeof needed, stream_);
-    const std::vector<std::uint64_t> freed = freed_.to_host(1, stream_);  // waits for `needed` as well
-    store_->make_room(taken_ - freed[0] + needed, stream_);
-    assign_tiles(needed, count_, maps(), *store_, freed_.data(), room_, scratch_, stream_);
-    register_scan(draw_, propose_.match, beams(), maps(), view(*now_), touched_.data(), stream_);
-    taken_ += needed;
-    note_size(freed_.to_host(1, stream_)[0]);
-  }
 
   SlamBackendConfig config_;
   int device_;
@@ -227,7 +230,8 @@ class CudaSlamBackend final : public SlamBackend {
   DeviceBuffer<std::uint32_t> table_, other_table_;
   DeviceBuffer<std::uint8_t> touched_;
   AssignRoom room_;
-  std::uint64_t taken_ = 1;  ///< Tiles that were ever taken into use; freed_ counts those given back.
+  std::uint64_t needed_ = 0;  ///< Tiles, by the last mark().
+  std::uint64_t taken_ = 1;   ///< Tiles that were ever taken into use; freed_ counts those given back.
   SlamStep last_;
   bool empty_ = true;  ///< No map has a cell yet.
 };

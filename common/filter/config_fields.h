@@ -316,6 +316,8 @@ void visit_fields(Config& c, Visitor&& visit) {
   visit(Field{"slam", "motion_floor_theta", "... [rad]"}, l.motion_floor_theta, Real{0, 10, true});
   visit(Field{"slam", "occupied_above", "Share of beams ending there from which a cell is a wall"},
         l.occupied_above, Real{0, 1});
+  visit(Field{"slam", "memory_mib", "Most that the tiles of all maps take [MiB]; 0: no limit"}, l.memory_mib,
+        Int{0, 10'000'000});
 
   visit(Field{"search", "cell_m", "Finer cells of the map are put together to such [m]"}, c.search.cell_m,
         Real{0, 10, true});

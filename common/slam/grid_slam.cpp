@@ -15,6 +15,7 @@
 #include "common/slam/path_tree.h"
 #include "common/slam/saved_parts.h"
 #include "common/slam/slam_backend.h"
+#include "common/slam/sub_maps.h"
 
 namespace parloc {
 namespace {
@@ -54,11 +55,13 @@ void put_record(ByteWriter& w, const SlamRecord& record) {
   w.put(record.stamp_s), w.put(record.n_eff);
   w.put_bool(record.resampled);
   w.put_count(record.tiles);
+  w.put_count(record.handed_over);
 }
 SlamRecord get_record(ByteReader& r) {
   const auto stamp_s = r.get<double>(), n_eff = r.get<double>();
   const bool resampled = r.get_bool();
-  return {stamp_s, n_eff, resampled, static_cast<std::size_t>(r.get<std::uint64_t>())};
+  const std::size_t tiles = r.get<std::uint64_t>();
+  return {stamp_s, n_eff, resampled, tiles, static_cast<std::size_t>(r.get<std::uint64_t>())};
 }
 
 FilterConfig with_own_beams(FilterConfig c) {
@@ -87,7 +90,8 @@ struct GridSlam::State {
   explicit State(const FilterConfig& c)
       : config(with_own_beams(c)),
         track(c.motion.max_jump_m),
-        paths(static_cast<std::size_t>(c.slam.particles)) {}
+        paths(static_cast<std::size_t>(c.slam.particles)),
+        sub_maps(c.slam) {}
 
   FilterConfig config;
   std::unique_ptr<SlamBackend> backend;
@@ -99,6 +103,7 @@ struct GridSlam::State {
   std::vector<Pose> odometry_of;  ///< By step.
   std::vector<SlamRecord> records;
   PathTree paths;
+  SubMaps sub_maps;
   const SlamStep* last = nullptr;
 
   bool far_enough(const Pose& now) const {
@@ -111,6 +116,7 @@ struct GridSlam::State {
            beams.hits >= static_cast<std::size_t>(config.scan.min_beams);
   }
   Pose pose_at(const Moment& m, const std::vector<Pose>& path) const;
+  SlamCells cells_of(std::size_t particle) const;
   /// All members above but config, and what follows from the others. The order is that of the file.
   void save(ByteWriter& w) const;
   void load(ByteReader& r);
@@ -149,6 +155,7 @@ void GridSlam::State::save(ByteWriter& w) const {
   w.put_each(odometry_of, put_pose);
   w.put_each(records, put_record);
   paths.save(w);
+  sub_maps.save(w);
 }
 
 void GridSlam::State::load(ByteReader& r) {
@@ -158,8 +165,9 @@ void GridSlam::State::load(ByteReader& r) {
   if (r.get_bool()) odometry = get_pose(r);
   moments = r.get_each(41, get_moment);
   odometry_of = r.get_each(24, get_pose);
-  records = r.get_each(25, get_record);
+  records = r.get_each(33, get_record);
   paths.load(r);
+  sub_maps.load(r, backend->save().span);
   r.expect(r.left() == 0, "its end");
   const std::size_t steps = records.size();
   r.expect(odometry_of.size() == steps && paths.steps() == steps && odometry.has_value() == (steps > 0),
@@ -184,12 +192,16 @@ bool GridSlam::step(const Pose& odometry, const Scan& scan) {
       s.odometry ? odometry_increment(*s.odometry, odometry, s.config.motion.min_translation_m)
                  : OdometryIncrement{};
   const RandomKey key{s.config.seed, static_cast<std::uint32_t>(s.records.size())};
-  s.last = &s.backend->step(motion_step(u, s.config.motion), key, s.beams);
+  s.sub_maps.give_back(*s.backend, std::fabs(u.trans_m));
+  s.backend->move(motion_step(u, s.config.motion), key, s.beams);
+  s.sub_maps.make_room(*s.backend);
+  s.last = &s.backend->write();
   s.odometry = odometry;
   s.odometry_of.push_back(odometry);
   s.moments.push_back({scan.stamp_s, odometry, s.records.size(), true});
   s.paths.add(poses(), s.last->ancestor);
-  s.records.push_back({scan.stamp_s, s.last->state.n_eff, s.last->state.resample != 0, s.last->tiles});
+  s.records.push_back(
+      {scan.stamp_s, s.last->state.n_eff, s.last->state.resample != 0, s.last->tiles, s.sub_maps.places()});
   return true;
 }
 
@@ -217,6 +229,12 @@ Pose GridSlam::State::pose_at(const Moment& m, const std::vector<Pose>& path) co
   return blend(forward, backward, to + from > 0.0 ? to / (to + from) : 0.0);
 }
 
+SlamCells GridSlam::State::cells_of(std::size_t particle) const {
+  SlamCells cells = backend->map_of(particle);
+  sub_maps.add_to(cells);
+  return cells;
+}
+
 Trajectory GridSlam::trajectory() const {
   const State& s = *state_;
   Trajectory out;
@@ -229,7 +247,7 @@ Trajectory GridSlam::trajectory() const {
 GridMap GridSlam::map() const {
   const State& s = *state_;
   if (s.records.empty()) throw Error(ErrorKind::input, "slam: no scan was taken in, there is no map");
-  const SlamCells cells = s.backend->map_of(best());
+  const SlamCells cells = s.cells_of(best());
   std::int32_t i0 = cells.width, i1 = -1, j0 = cells.height, j1 = -1;
   const auto word = [&](std::int32_t i, std::int32_t j) {
     return cells.cell[static_cast<std::size_t>(j) * static_cast<std::size_t>(cells.width) +
@@ -265,6 +283,7 @@ SlamMemory GridSlam::memory() const {
   SlamMemory memory;
   for (const SlamRecord& r : s.records)
     memory.most_tile_bytes = std::max(memory.most_tile_bytes, r.tiles * sizeof(Tile));
+  memory.sub_map_bytes = s.sub_maps.places() * sizeof(Tile);
   if (!s.records.empty()) memory.tile_bytes = s.records.back().tiles * sizeof(Tile);
   if (s.last != nullptr) memory.table_bytes = s.last->table_bytes;
   return memory;
@@ -282,7 +301,7 @@ std::string GridSlam::digest() const {
   Sha256 sha;
   for (const StampedPose& p : trajectory())
     for (const double v : {p.pose.x_m, p.pose.y_m, p.pose.theta_rad}) sha.add(v);
-  add_cells(sha, state_->backend->map_of(best()));
+  add_cells(sha, state_->cells_of(best()));
   return sha.hex();
 }
 

@@ -21,7 +21,8 @@ struct SlamRecord {
   double stamp_s = 0.0;
   double n_eff = 0.0;
   bool resampled = false;
-  std::size_t tiles = 0;  ///< In use by all particles together.
+  std::size_t tiles = 0;        ///< In use by all particles together.
+  std::size_t handed_over = 0;  ///< Tiles of far places, one for all particles (slam.memory_mib).
 };
 
 /// What the maps of all particles take together.
@@ -29,6 +30,7 @@ struct SlamMemory {
   std::size_t tile_bytes = 0;       ///< Of the tiles in use now.
   std::size_t most_tile_bytes = 0;  ///< That were ever in use at once.
   std::size_t table_bytes = 0;      ///< Which tile is where, for every particle.
+  std::size_t sub_map_bytes = 0;    ///< Of the places that are handed over now; in host memory.
 };
 
 class GridSlam {

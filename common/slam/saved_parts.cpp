@@ -16,18 +16,6 @@ constexpr std::int32_t kFarthestTile = 1 << 24;
 constexpr std::size_t kTilesAtOnce = 256;
 constexpr std::size_t kCells = kTileCells * kTileCells;
 
-/// Tiles in use, in the order in which the tables name them first.
-std::vector<std::uint32_t> tiles_named(const std::vector<std::uint32_t>& table) {
-  std::vector<std::uint32_t> ids;
-  std::vector<bool> seen;
-  for (const std::uint32_t id : table) {
-    if (id >= seen.size()) seen.resize(id + 1, false);
-    if (id != kNoTile && !seen[id]) ids.push_back(id);
-    seen[id] = true;
-  }
-  return ids;
-}
-
 /// from[k] becomes to[k].
 void rename(std::vector<std::uint32_t>& table, const std::vector<std::uint32_t>& from,
             const std::vector<std::uint32_t>& to) {
@@ -49,15 +37,6 @@ void in_batches(const std::vector<std::uint32_t>& ids, const Take& take) {
     const auto begin = ids.begin() + static_cast<std::ptrdiff_t>(k);
     take(std::vector<std::uint32_t>(
         begin, begin + static_cast<std::ptrdiff_t>(std::min(kTilesAtOnce, ids.size() - k))));
-  }
-}
-
-/// The bits beside the cells follow from them.
-void set_occupied(Tile& tile) {
-  for (std::int32_t j = 0; j < kTileCells; ++j) {
-    tile.occupied[j] = 0;
-    for (std::int32_t i = 0; i < kTileCells; ++i)
-      tile.occupied[j] |= is_occupied(tile.cell[j * kTileCells + i]) ? 1u << i : 0u;
   }
 }
 
@@ -156,6 +135,16 @@ std::vector<LidarUse> get_lidars(ByteReader& r) {
   });
 }
 
+void put_tile(ByteWriter& w, const Tile& tile) {
+  w.put_all(tile.cell, kCells);
+}
+Tile get_tile(ByteReader& r) {
+  Tile tile;
+  r.get_all(tile.cell, kCells);
+  set_occupied(tile);
+  return tile;
+}
+
 void put_backend(ByteWriter& w, const SlamBackend& backend) {
   SlamSnapshot s = backend.save();
   for (const auto* values : {&s.x, &s.y, &s.theta, &s.log_weight, &s.likelihood}) w.put(*values);
@@ -168,7 +157,7 @@ void put_backend(ByteWriter& w, const SlamBackend& backend) {
   std::vector<Tile> tiles(kTilesAtOnce);
   in_batches(ids, [&](const std::vector<std::uint32_t>& batch) {
     backend.read_tiles(batch, tiles.data());
-    for (std::size_t k = 0; k < batch.size(); ++k) w.put_all(tiles[k].cell, kCells);
+    for (std::size_t k = 0; k < batch.size(); ++k) put_tile(w, tiles[k]);
   });
 }
 
@@ -188,10 +177,7 @@ const SlamStep& get_backend(ByteReader& r, SlamBackend& backend, const SlamConfi
   const std::vector<std::uint32_t> ids = backend.free_tiles(tiles);
   std::vector<Tile> memory(kTilesAtOnce);
   in_batches(ids, [&](const std::vector<std::uint32_t>& batch) {
-    for (std::size_t k = 0; k < batch.size(); ++k) {
-      r.get_all(memory[k].cell, kCells);
-      set_occupied(memory[k]);
-    }
+    for (std::size_t k = 0; k < batch.size(); ++k) memory[k] = get_tile(r);
     backend.write_tiles(batch, memory.data());
   });
   rename(s.table, places(tiles), ids);

@@ -21,6 +21,9 @@ std::vector<StampedPose> get_readings(ByteReader& r);
 void put_lidars(ByteWriter& w, const std::vector<LidarUse>& lidars);
 std::vector<LidarUse> get_lidars(ByteReader& r);
 
+void put_tile(ByteWriter& w, const Tile& tile);
+Tile get_tile(ByteReader& r);
+
 /// Particles, and their maps: each tile once, named by its place in the file, whatever it is called in the
 /// backend's memory.
 void put_backend(ByteWriter& w, const SlamBackend& backend);

@@ -67,8 +67,8 @@ void inherit(std::vector<float>& values, const std::vector<std::uint32_t>& ances
   for (std::size_t j = 0; j < values.size(); ++j) values[j] = before[ancestor[j]];
 }
 
-TileSpan grown_span(const TileSpan& span, const std::vector<float>& x, const std::vector<float>& y,
-                    double reach_m, double resolution_m) {
+TileSpan reached_tiles(const std::vector<float>& x, const std::vector<float>& y, double reach_m,
+                       double resolution_m) {
   const double tile_m = kTileCells * resolution_m;
   const auto [x0, x1] = std::minmax_element(x.begin(), x.end());
   const auto [y0, y1] = std::minmax_element(y.begin(), y.end());
@@ -76,7 +76,13 @@ TileSpan grown_span(const TileSpan& span, const std::vector<float>& x, const std
   const auto high = [&](float v) {
     return static_cast<std::int32_t>(std::floor((v + reach_m) / tile_m)) + 2;
   };
-  const std::int32_t i0 = low(*x0), i1 = high(*x1), j0 = low(*y0), j1 = high(*y1);
+  return {low(*x0), low(*y0), high(*x1) - low(*x0), high(*y1) - low(*y0)};
+}
+
+TileSpan grown_span(const TileSpan& span, const std::vector<float>& x, const std::vector<float>& y,
+                    double reach_m, double resolution_m) {
+  const TileSpan near = reached_tiles(x, y, reach_m, resolution_m);
+  const std::int32_t i0 = near.first_i, i1 = i0 + near.width, j0 = near.first_j, j1 = j0 + near.height;
   const std::int32_t end_i = span.first_i + span.width, end_j = span.first_j + span.height;
   if (span.width > 0 && i0 >= span.first_i && j0 >= span.first_j && i1 <= end_i && j1 <= end_j) return span;
   constexpr std::int32_t kSpare = 8;  // so that it does not grow with every metre
@@ -99,6 +105,17 @@ std::vector<std::uint32_t> moved_tables(const std::vector<std::uint32_t>& table,
           table.begin() + static_cast<std::ptrdiff_t>(p * from.size()) + std::ptrdiff_t{j} * from.width,
           from.width, out.begin() + static_cast<std::ptrdiff_t>(p * to.size()) + (j + dj) * to.width + di);
   return out;
+}
+
+std::vector<std::uint32_t> tiles_named(const std::vector<std::uint32_t>& table) {
+  std::vector<std::uint32_t> ids;
+  std::vector<bool> seen;
+  for (const std::uint32_t id : table) {
+    if (id >= seen.size()) seen.resize(id + 1, false);
+    if (id != kNoTile && !seen[id]) ids.push_back(id);
+    seen[id] = true;
+  }
+  return ids;
 }
 
 std::vector<std::uint32_t> count_references(const std::vector<std::uint32_t>& table, std::size_t tiles) {

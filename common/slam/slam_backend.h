@@ -48,8 +48,18 @@ class SlamBackend {
   virtual std::string name() const = 0;
   /// All particles at the origin with empty maps.
   virtual void start() = 0;
-  /// Moves all particles by odometry, takes the scan in, resamples, and writes the scan into their maps.
-  virtual const SlamStep& step(const MotionStep& motion, RandomKey key, const BeamTable& scan) = 0;
+  /// A step in three parts. Moves all particles by odometry and scan, and resamples.
+  virtual void move(const MotionStep& motion, RandomKey key, const BeamTable& scan) = 0;
+  /// How many tiles there must be room for in write(), those in use included; any number of times.
+  virtual std::size_t mark() = 0;
+  /// Writes the scan of move() into all maps, after mark().
+  virtual const SlamStep& write() = 0;
+  /// All three.
+  const SlamStep& step(const MotionStep& motion, RandomKey key, const BeamTable& scan) {
+    move(motion, key, scan);
+    mark();
+    return write();
+  }
   virtual SlamCells map_of(std::size_t particle) const = 0;
 
   virtual SlamSnapshot save() const = 0;
@@ -70,6 +80,9 @@ DrawRules bind_draw_rules(const SlamConfig& config);
 void bind_scan(ProposeRules& rules, const BeamTable& scan, bool empty);
 /// values[j] of slot j's ancestor.
 void inherit(std::vector<float>& values, const std::vector<std::uint32_t>& ancestor);
+/// Tiles that scans at the poses may touch.
+TileSpan reached_tiles(const std::vector<float>& x, const std::vector<float>& y, double reach_m,
+                       double resolution_m);
 /// A span that holds `span` and everything within `reach_m` of the poses, with room to spare if it must grow.
 TileSpan grown_span(const TileSpan& span, const std::vector<float>& x, const std::vector<float>& y,
                     double reach_m, double resolution_m);
@@ -77,6 +90,8 @@ TileSpan grown_span(const TileSpan& span, const std::vector<float>& x, const std
 std::vector<std::uint32_t> moved_tables(const std::vector<std::uint32_t>& table, const TileSpan& from,
                                         const TileSpan& to, std::size_t particles);
 
+/// Each tile that the tables name, in the order in which they do first; the empty one apart.
+std::vector<std::uint32_t> tiles_named(const std::vector<std::uint32_t>& table);
 /// How many tables name each of `tiles` tiles; the empty one counts as named.
 std::vector<std::uint32_t> count_references(const std::vector<std::uint32_t>& table, std::size_t tiles);
 /// The first `count` tiles without a reference.

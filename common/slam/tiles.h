@@ -17,6 +17,15 @@ struct Tile {
   std::uint32_t occupied[kTileCells];      ///< is_occupied of each row's cells, a bit each.
 };
 
+/// The bits of all rows, from the cells.
+inline void set_occupied(Tile& tile) {
+  for (std::int32_t j = 0; j < kTileCells; ++j) {
+    tile.occupied[j] = 0;
+    for (std::int32_t i = 0; i < kTileCells; ++i)
+      tile.occupied[j] |= is_occupied(tile.cell[j * kTileCells + i]) ? 1u << i : 0u;
+  }
+}
+
 /// Place of a cell in its tile.
 PARLOC_HD std::int32_t cell_in_tile(std::int32_t i, std::int32_t j) {
   return (j & (kTileCells - 1)) * kTileCells + (i & (kTileCells - 1));

@@ -3,6 +3,7 @@
 // ancestors and maps.
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <ostream>
 #include <sstream>
 #include <string>
@@ -10,6 +11,7 @@
 #include "common/io/bytes.h"
 #include "common/slam/saved_parts.h"
 #include "common/slam/slam_backend.h"
+#include "common/slam/sub_maps.h"
 #include "tests/stage/room_of_blocks.h"
 #include "tests/stage/room_scan.h"
 #include "tests/stage/same_bits.h"
@@ -92,6 +94,15 @@ void expect_same(const Trace& a, const Trace& b) {
   }
 }
 
+/// 30 m long and 2 m wide.
+GridMap corridor_with_posts() {
+  std::vector<std::string> rows(40, std::string(600, '.'));
+  rows.front() = rows.back() = std::string(600, '#');
+  for (std::size_t i = 0; i < 600; ++i)  // posts on both walls, without which a scan says nothing of the way
+    if (i % 16 < 3 || i % 23 < 2) rows[1][i] = rows[2][i] = rows[37][i] = rows[38][i] = '#';
+  return grid_from_text(rows, 0.05);
+}
+
 /// Anything in the tile whose first cell this is.
 bool has_visits(const SlamCells& map, std::int32_t i0, std::int32_t j0) {
   for (std::int32_t j = j0; j < j0 + kTileCells; ++j)
@@ -162,11 +173,7 @@ TEST_P(SlamBackends, ParticlesShareTiles) {
   near.slam.usable_range = 1.5;
   near.slam.search_xy = near.slam.search_theta = 0.0;  // it would hold on to the little that is known
   near.slam.resample_threshold = 1.0;                  // every step
-  std::vector<std::string> rows(40, std::string(600, '.'));
-  rows.front() = rows.back() = std::string(600, '#');
-  for (std::size_t i = 0; i < 600; ++i)  // posts on both walls, without which a scan says nothing of the way
-    if (i % 16 < 3 || i % 23 < 2) rows[1][i] = rows[2][i] = rows[37][i] = rows[38][i] = '#';
-  const GridMap corridor = grid_from_text(rows, 0.05);
+  const GridMap corridor = corridor_with_posts();
   const auto backend = make_cpu_slam_backend(near);
   BeamTable beams;
   BeamCounts counts;
@@ -183,6 +190,59 @@ TEST_P(SlamBackends, ParticlesShareTiles) {
     for (std::int32_t i = 0; i < map.width; i += kTileCells) tiles += has_visits(map, i, j) ? 1 : 0;
   EXPECT_GE(tiles, 30u);
   EXPECT_LT(tiles_in_use, 40 * tiles / 2);
+}
+
+/// There and back along the corridor with so little memory that what is far is handed over. With `late` it is
+/// not given back in time: particles then have tiles of their own where some are handed over, which add up.
+struct HandedOver {
+  std::vector<std::size_t> places, tiles;
+  SlamCells map;
+  SlamStep last;
+};
+HandedOver there_and_back(SlamBackend& backend, const SlamConfig& slam, const GridMap& corridor, bool late) {
+  SubMaps sub_maps(slam);
+  HandedOver out;
+  BeamTable beams;
+  BeamCounts counts;
+  for (std::uint32_t step = 0; step < 60; ++step) {
+    const double x_m = 2.0 + 0.6 * (step < 30 ? step : 60 - step);
+    select_beams(scan_from(corridor, {x_m, 1.0, 0.0}, 90), ScanConfig{}, SensorConfig{}, slam.resolution,
+                 beams, counts);
+    const float trans_m = step == 0 ? 0.0f : step <= 30 ? 0.6f : -0.6f;
+    if (!late || step > 50) sub_maps.give_back(backend, 0.6);
+    backend.move({0.0f, trans_m, 0.0f, 0.01f, 0.02f, 0.01f}, {5, step}, beams);
+    sub_maps.make_room(backend);
+    out.last = backend.write();
+    out.tiles.push_back(out.last.tiles);
+    out.places.push_back(sub_maps.places());
+  }
+  out.map = backend.map_of(1);
+  sub_maps.add_to(out.map);
+  return out;
+}
+
+TEST_P(SlamBackends, FarPlacesAreHandedOverAndGivenBackOnBoth) {
+  SlamBackendConfig c = config(12, 2);
+  c.slam.usable_range = 1.5;
+  c.slam.resolution = 0.025;
+  c.slam.resample_threshold = 0.3;  // seldom: then particles share little
+  c.slam.beta_weight = 0.05;
+  c.slam.memory_mib = 5;
+  const GridMap corridor = corridor_with_posts();
+  for (const bool late : {false, true}) {
+    SCOPED_TRACE(late);
+    const HandedOver cpu = there_and_back(*make_cpu_slam_backend(c), c.slam, corridor, late);
+    EXPECT_GT(*std::max_element(cpu.places.begin(), cpu.places.end()), 10u);
+    EXPECT_FALSE(std::is_sorted(cpu.places.begin(), cpu.places.end()));  // some were given back
+    for (const std::size_t tiles : cpu.tiles) EXPECT_LE(tiles * sizeof(Tile), std::size_t{5} << 20);
+    const HandedOver kernels =
+        there_and_back(*cuda_on_host::make_slam_backend_on_host(c), c.slam, corridor, late);
+    EXPECT_EQ(cpu.places, kernels.places);
+    EXPECT_EQ(cpu.tiles, kernels.tiles);
+    EXPECT_TRUE(test::same_bits(cpu.last.x, kernels.last.x));
+    EXPECT_TRUE(test::same_bits(cpu.last.likelihood, kernels.last.likelihood));
+    EXPECT_TRUE(test::same_bits(cpu.map.cell, kernels.map.cell));
+  }
 }
 
 TEST_P(SlamBackends, StartsAnew) {

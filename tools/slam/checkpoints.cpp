@@ -27,6 +27,13 @@ Checkpoints::Checkpoints(const MapRequest& request, const DigestedLog& log)
   if (request.resume != nullptr) from_ = map_position_from(request.resume->own, request.resume->name());
 }
 
+void Checkpoints::check(const GridSlam& slam) const {
+  if (from_.step_s.size() != slam.records().size())
+    throw input_error(request_.log_name, 0,
+                      fmt::format("expected a checkpoint of parloc slam, found one of {} scans with {} times",
+                                  slam.records().size(), from_.step_s.size()));
+}
+
 bool Checkpoints::has_next(std::size_t scans) const {
   if (scans == from_.scans && scans > 0 && log_.digest() != from_.digest) throw another_log(request_, from_);
   return scans < from_.scans;

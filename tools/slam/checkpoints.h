@@ -15,6 +15,8 @@ class Checkpoints {
   /// To be made before the request's checkpoint is used up. `log`: what of it is read must be the same.
   Checkpoints(const MapRequest& request, const DigestedLog& log);
 
+  /// Whether the filter that goes on is one that this could be of. Throws Error{input}.
+  void check(const GridSlam& slam) const;
   /// Where the checkpoint stands; all zero without one.
   const MapPosition& from() const { return from_; }
   /// Whether the checkpoint has the next scan, after so many, in it: then only the log is to be read again.

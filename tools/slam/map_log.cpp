@@ -40,6 +40,7 @@ Mapping map_log(LogReader& source, const MapRequest& request) {
   if (!scans.next(record)) throw tools::no_scan(request.log_name, log.warnings());
   Checkpoints checkpoints(request, log);
   GridSlam slam = request.resume != nullptr ? GridSlam(std::move(*request.resume)) : GridSlam(request.config);
+  checkpoints.check(slam);
   Mapping m;
   tools::EvenSample<Growth> growth(22);
   m.step_s = checkpoints.from().step_s;

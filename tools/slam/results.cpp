@@ -21,10 +21,13 @@ using Json = nlohmann::ordered_json;
 constexpr double kMiB = 1024.0 * 1024.0, kDegrees = 180.0 / std::numbers::pi;
 
 std::string memory_text(const SlamMemory& memory) {
-  return fmt::format("{:.1f} MiB of tiles in use, {:.1f} at most, {:.1f} MiB of tables",
-                     static_cast<double>(memory.tile_bytes) / kMiB,
-                     static_cast<double>(memory.most_tile_bytes) / kMiB,
-                     static_cast<double>(memory.table_bytes) / kMiB);
+  std::string text = fmt::format("{:.1f} MiB of tiles in use, {:.1f} at most, {:.1f} MiB of tables",
+                                 static_cast<double>(memory.tile_bytes) / kMiB,
+                                 static_cast<double>(memory.most_tile_bytes) / kMiB,
+                                 static_cast<double>(memory.table_bytes) / kMiB);
+  if (memory.sub_map_bytes > 0)
+    text += fmt::format(", {:.1f} MiB handed over", static_cast<double>(memory.sub_map_bytes) / kMiB);
+  return text;
 }
 
 /// How many scans ago all particles of the end were one.
@@ -72,7 +75,8 @@ std::vector<std::string> warning_lines(const Mapping& m) {
 Json memory_json(const SlamMemory& memory) {
   return {{"tile_bytes", memory.tile_bytes},
           {"most_tile_bytes", memory.most_tile_bytes},
-          {"table_bytes", memory.table_bytes}};
+          {"table_bytes", memory.table_bytes},
+          {"sub_map_bytes", memory.sub_map_bytes}};
 }
 
 Json truth_json(const std::optional<TrackErrors>& errors) {
@@ -97,14 +101,15 @@ Json n_eff_json(const std::vector<SlamRecord>& records) {
 /// One list per value, an entry per scan that was taken in.
 Json scans_json(const Mapping& m) {
   Json stamp = Json::array(), n_eff = Json::array(), resampled = Json::array(), tiles = Json::array(),
-       step = Json::array();
+       handed_over = Json::array(), step = Json::array();
   for (const SlamRecord& r : m.records) {
     stamp.push_back(r.stamp_s), n_eff.push_back(r.n_eff);
     resampled.push_back(r.resampled ? 1 : 0), tiles.push_back(r.tiles);
+    handed_over.push_back(r.handed_over);
   }
   for (const double s : m.step_s) step.push_back(1e3 * s);
-  return {
-      {"stamp_s", stamp}, {"n_eff", n_eff}, {"resampled", resampled}, {"tiles", tiles}, {"step_ms", step}};
+  return {{"stamp_s", stamp},           {"n_eff", n_eff}, {"resampled", resampled}, {"tiles", tiles},
+          {"handed_over", handed_over}, {"step_ms", step}};
 }
 
 std::vector<double> stamps_of(const std::vector<SlamRecord>& records) {
