@@ -121,7 +121,7 @@ TEST_F(SlamProgram, MetricsAgreeWithEachOther) {
   const auto taken_in = m.at("scans_taken_in").get<std::size_t>();
   EXPECT_EQ(taken_in, 20u);  // every third: two steps are 0.2 mm short of slam.update_min_d
   const Json& scans = m.at("taken_in");
-  for (const char* list : {"stamp_s", "n_eff", "resampled", "tiles", "step_ms"})
+  for (const char* list : {"stamp_s", "n_eff", "resampled", "tiles", "handed_over", "step_ms"})
     EXPECT_EQ(scans.at(list).size(), taken_in) << list;
   EXPECT_EQ(m.at("distinct_ancestors").size(), taken_in);
   const auto n_eff = scans.at("n_eff").get<std::vector<double>>();

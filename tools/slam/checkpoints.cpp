@@ -24,14 +24,16 @@ Error another_log(const MapRequest& request, const MapPosition& from) {
 
 Checkpoints::Checkpoints(const MapRequest& request, const DigestedLog& log)
     : request_(request), log_(log), pause_s_(request.checkpoint_every_s) {
-  if (request.resume != nullptr) from_ = map_position_from(request.resume->own, request.resume->name());
+  if (request.resume == nullptr) return;
+  name_ = request.resume->name();
+  from_ = map_position_from(request.resume->own, name_);
 }
 
 void Checkpoints::check(const GridSlam& slam) const {
   if (from_.step_s.size() != slam.records().size())
-    throw input_error(request_.log_name, 0,
-                      fmt::format("expected a checkpoint of parloc slam, found one of {} scans with {} times",
-                                  slam.records().size(), from_.step_s.size()));
+    throw input_error(name_, 0,
+                      fmt::format("damaged: expected times of {} scans, found {}", slam.records().size(),
+                                  from_.step_s.size()));
 }
 
 bool Checkpoints::has_next(std::size_t scans) const {

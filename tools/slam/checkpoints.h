@@ -3,6 +3,7 @@
 
 #include <chrono>
 #include <cstddef>
+#include <string>
 
 #include "tools/slam/digested_log.h"
 #include "tools/slam/map_log.h"
@@ -35,6 +36,7 @@ class Checkpoints {
 
   const MapRequest& request_;
   const DigestedLog& log_;
+  std::string name_;  ///< Of the checkpoint that it goes on from.
   MapPosition from_;
   double pause_s_;
   Clock::time_point begun_ = Clock::now(), written_ = begun_;
