@@ -15,6 +15,7 @@
 #include "common/io/bytes.h"
 #include "common/io/config.h"
 #include "common/slam/checkpoint_frame.h"
+#include "common/slam/slam_backend.h"
 
 namespace parloc {
 namespace {
@@ -90,6 +91,7 @@ void SlamCheckpoint::open(std::unique_ptr<std::istream> in) {
   try {
     saved_config_ = config_from_text(rest_->get_text(), name_);
     validate(saved_config_);
+    bind_propose_rules(saved_config_.slam);  // refuses what a backend would
   } catch (const Error& e) {
     throw Error(ErrorKind::input, e.what());
   }

@@ -57,6 +57,7 @@ std::vector<Tile> read(const SlamBackend& backend, const std::vector<std::uint32
 
 SubMaps::SubMaps(const SlamConfig& config)
     : config_(config),
+      reach_m_(config.usable_range + config.search_xy),
       most_tiles_(static_cast<std::size_t>(config.memory_mib * kMiB / static_cast<double>(sizeof(Tile)))) {}
 
 void SubMaps::give_back(SlamBackend& backend, double way_m) {
@@ -64,7 +65,7 @@ void SubMaps::give_back(SlamBackend& backend, double way_m) {
   SlamSnapshot s = backend.save();
   constexpr double kMostWay =
       2.0;  // times the odometry's; who goes farther sees nothing there, and adds later
-  const double reach_m = config_.usable_range + kMostWay * way_m;
+  const double reach_m = reach_m_ + kMostWay * way_m;
   const TileSpan near = reached_tiles(s.x, s.y, reach_m, config_.resolution);
   std::vector<Place> places;
   for (const auto& [place, tile] : tile_)
@@ -78,7 +79,7 @@ void SubMaps::give_back(SlamBackend& backend, double way_m) {
 void SubMaps::make_room(SlamBackend& backend) {
   if (!too_many(backend.mark())) return;
   SlamSnapshot s = backend.save();
-  hand_over(backend, s, config_.usable_range);
+  hand_over(backend, s, reach_m_);
   const std::size_t needed = backend.mark();
   if (!too_many(needed)) return;
   throw Error(

@@ -42,6 +42,7 @@ class SubMaps {
   void restore(SlamBackend& backend, SlamSnapshot& s, const std::vector<Place>& places);
 
   SlamConfig config_;
+  double reach_m_;          ///< Of a scan from where a particle is before it is matched.
   std::size_t most_tiles_;  ///< 0: no limit.
   std::map<Place, Tile> tile_;
 };
