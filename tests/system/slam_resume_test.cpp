@@ -28,7 +28,7 @@ class SlamResume : public ProgramSuite {
     write_file(path("other.log"), carmen_log_of(other));
     // A slow matcher: the whole takes seconds, so that there is time to break it off.
     write_file(path("slow.yaml"),
-               "slam:\n  update_min_d: 0.01\n  iterations: 20\n  max_beams: 61\n  particles: 40\n");
+               "slam:\n  update_min_d: 0.01\n  iterations: 20\n  max_beams: 61\n  particles: 20\n");
   }
   static Args args(const std::string& out, const Args& more = {}) {
     return with({"slam", "--log", path("drive.log"), "--backend", "cpu", "--quiet", "--out", path(out)},
@@ -108,7 +108,7 @@ TEST_F(SlamResume, WhatDoesNotFitIsOneLine) {
       {resume("drive.log", {"--resume", path("drive.log")}), 3, "expected a checkpoint of parloc slam"},
       {resume("drive.log", {"--resume", path("short")}), 3, "damaged or cut short"},
       {resume("drive.log", with(fits, {"--seed", "2"})), 2, "seed is 1 there and 2 here"},
-      {resume("drive.log", with(fits, {"--particles", "30"})), 2, "slam.particles is 40 there and 30 here"},
+      {resume("drive.log", with(fits, {"--particles", "30"})), 2, "slam.particles is 20 there and 30 here"},
       {resume("drive.log", with(fits, {"--config", path("faster.yaml")})), 2, "slam.iterations is 20 there"},
       {resume("drive.log", with(fits, {"--checkpoint-every", "-1"})), 2, "--checkpoint-every"},
   };
