@@ -113,7 +113,10 @@ class Rig {
   void mark(const BeamTable& scan) {
     cpu::mark_tiles(draw, rules.match, bind_beams(scan), span, view(), touched.data(), workers);
   }
-  void assign() { cpu::assign_tiles(touched.data(), n, maps(), store, fresh, workers); }
+  void assign() {
+    cpu::list_new_tiles(touched.data(), n, maps(), store, fresh);
+    cpu::assign_tiles(fresh, maps(), store, workers);
+  }
   void register_scan(const BeamTable& scan) {
     cpu::register_scan(draw, rules.match, bind_beams(scan), maps(), view(), touched.data(), workers);
   }

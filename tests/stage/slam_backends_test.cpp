@@ -206,8 +206,8 @@ HandedOver there_and_back(SlamBackend& backend, const SlamConfig& slam, const Gr
   BeamCounts counts;
   for (std::uint32_t step = 0; step < 60; ++step) {
     const double x_m = 2.0 + 0.6 * (step < 30 ? step : 60 - step);
-    select_beams(scan_from(corridor, {x_m, 1.0, 0.0}, 90), ScanConfig{}, SensorConfig{}, slam.resolution,
-                 beams, counts);
+    select_beams(test::scan_with_gaps(corridor, {x_m, 1.0, 0.0}, 90, kRangeMax_m), ScanConfig{},
+                 SensorConfig{}, slam.resolution, beams, counts);
     const float trans_m = step == 0 ? 0.0f : step <= 30 ? 0.6f : -0.6f;
     if (!late || step > 50) sub_maps.give_back(backend, 0.6);
     backend.move({0.0f, trans_m, 0.0f, 0.01f, 0.02f, 0.01f}, {5, step}, beams);
