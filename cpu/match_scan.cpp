@@ -1,6 +1,7 @@
 #include "cpu/match_scan.h"
 
 #include "cpu/parallel.h"
+#include "cpu/sum_beams.h"
 
 namespace parloc::cpu {
 
@@ -10,9 +11,10 @@ ScanMatch match_scan(const MatchScanRules& rules, const TileMap& map, const Beam
   std::size_t matched = 0;
   for (std::size_t m = 0; m < beams.hits; ++m) matched += beams.range_m[m] <= rules.match.usable_m ? 1 : 0;
   if (matched == 0) return found;
+  BeamSums beam_sums;
   const auto sums = [&](const auto& search, Ask ask, std::int32_t* sum, const auto& candidate) {
     for (int k = 0, n = search.wanted(); k < n; ++k)
-      sum[k] = sum_beams(map, beams, match_pose(candidate(k), rules.match), rules.match, ask, 0, 1);
+      sum[k] = beam_sums.sum(map, beams, match_pose(candidate(k), rules.match), rules.match, ask);
   };
   const StrictFloat strict;
   run_simd([&]() PARLOC_SIMD_LOOP {

@@ -1,4 +1,5 @@
 #include "cpu/slam_stages.h"
+#include "cpu/sum_beams.h"
 
 namespace parloc::cpu {
 
@@ -7,6 +8,7 @@ void propose(const ProposeRules& rules, const Beams& beams, const SlamMaps& maps
   const auto loop = [&](std::size_t begin, std::size_t end) PARLOC_SIMD_LOOP {
     std::int32_t sum[Proposer::kMostPoses];
     Proposer::Room room;
+    BeamSums sums;
     for (std::size_t i = begin; i < end; ++i) {
       const TileMap map = maps.of(i);
       Proposer proposer;
@@ -14,8 +16,8 @@ void propose(const ProposeRules& rules, const Beams& beams, const SlamMaps& maps
       while (!proposer.done()) {
         const int wanted = proposer.wanted();
         for (int k = 0; k < wanted; ++k)
-          sum[k] = sum_beams(map, beams, match_pose(proposer.candidate(k, rules), rules.match), rules.match,
-                             proposer.ask(), 0, 1);
+          sum[k] = sums.sum(map, beams, match_pose(proposer.candidate(k, rules), rules.match), rules.match,
+                            proposer.ask());
         proposer.take(sum, room, rules);
       }
       p.x[i] = proposer.pose().x, p.y[i] = proposer.pose().y, p.theta[i] = proposer.pose().theta;

@@ -32,6 +32,15 @@ PARLOC_HD float max_of(float a, float b) {
   return a > b ? a : b;
 }
 
+/// Place of the lowest bit that is set; there must be one.
+PARLOC_HD std::int32_t lowest_bit(std::uint32_t x) {
+#ifdef __CUDA_ARCH__
+  return __ffs(static_cast<int>(x)) - 1;
+#else
+  return __builtin_ctz(x);
+#endif
+}
+
 PARLOC_HD std::uint32_t bits_of(float x) {
   std::uint32_t b;
   std::memcpy(&b, &x, sizeof b);

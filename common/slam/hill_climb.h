@@ -24,35 +24,31 @@ class HillClimb {
     halvings_ = rules.halvings;
     rounds_left_ = kMostRounds;
     started_ = false;
+    back_ = kMoves;
   }
   PARLOC_HD bool done() const { return halvings_ <= 0 || rounds_left_ <= 0; }
   /// Poses that it asks for now.
-  PARLOC_HD int wanted() const { return done() ? 0 : (started_ ? kMoves : 1); }
-  PARLOC_HD SlamPose candidate(int k) const {
-    if (!started_) return best_;
-    SlamPose p = best_;
-    const float xy = k == 1 || k == 2 ? -step_xy_ : step_xy_;
-    p.x += k < 2 ? xy : 0.0f;
-    p.y += k == 2 || k == 3 ? xy : 0.0f;
-    p.theta = k < 4 ? p.theta : wrap(p.theta + (k == 4 ? step_theta_ : -step_theta_));
-    return p;
-  }
+  PARLOC_HD int wanted() const { return done() ? 0 : !started_ ? 1 : back_ < kMoves ? kMoves - 1 : kMoves; }
+  PARLOC_HD SlamPose candidate(int k) const { return started_ ? after(move(k)) : best_; }
   PARLOC_HD void take(const std::int32_t* score) {
-    --rounds_left_;
     if (!started_) {
+      --rounds_left_;
       started_ = true;
       score_ = score[0];
       return;
     }
     int better = -1;
     std::int32_t most = score_;
-    for (int k = 0; k < kMoves; ++k)
-      if (score[k] > most) better = k, most = score[k];
+    for (int k = 0, n = wanted(); k < n; ++k)
+      if (score[k] > most) better = move(k), most = score[k];
+    --rounds_left_;
     if (better >= 0) {
-      best_ = candidate(better);
+      best_ = after(better);
       score_ = most;
+      back_ = better ^ 1;  // whence it came: a lower score, and it is known
       return;
     }
+    back_ = kMoves;
     --halvings_;
     step_xy_ *= 0.5f, step_theta_ *= 0.5f;
   }
@@ -60,10 +56,22 @@ class HillClimb {
   PARLOC_HD std::int32_t score() const { return score_; }
 
  private:
+  /// The moves that are asked for, without the one back.
+  PARLOC_HD int move(int k) const { return k + (k >= back_ ? 1 : 0); }
+  /// Moves 0 to 5: +x, -x, -y, +y, +heading, -heading.
+  PARLOC_HD SlamPose after(int move) const {
+    SlamPose p = best_;
+    const float xy = move == 1 || move == 2 ? -step_xy_ : step_xy_;
+    p.x += move < 2 ? xy : 0.0f;
+    p.y += move == 2 || move == 3 ? xy : 0.0f;
+    p.theta = move < 4 ? p.theta : wrap(p.theta + (move == 4 ? step_theta_ : -step_theta_));
+    return p;
+  }
+
   SlamPose best_;
   std::int32_t score_ = 0;
   float step_xy_ = 0, step_theta_ = 0;
-  int halvings_ = 0, rounds_left_ = 0;
+  int halvings_ = 0, rounds_left_ = 0, back_ = kMoves;
   bool started_ = false;
 };
 

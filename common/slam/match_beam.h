@@ -26,23 +26,34 @@ PARLOC_HD std::uint32_t occupied_around(const TileMap& map, std::int32_t i, std:
   return map.occupied_row(i, j - 1) | (map.occupied_row(i, j) << 3) | (map.occupied_row(i, j + 1) << 6);
 }
 
-/// Squared distance from (u, v) to the nearest mean end point that may be the same wall [cells^2], or
-/// kNoMatch. (du, dv): direction of the beam. All in cells from the map's origin.
-PARLOC_HD float match_beam(const TileMap& map, float u, float v, float du, float dv) {
-  constexpr float kBefore = 1.41421356f;  // cells: a diagonal before the wall there must be free space
-  const float fi = floor_of(u), fj = floor_of(v);
+/// Where a beam ends, and a diagonal before that, where there must be free space; cells from the map's
+/// origin.
+struct EndOfBeam {
+  float u, v, before_u, before_v;
+};
+PARLOC_HD EndOfBeam end_of_beam(float u, float v, float du, float dv) {
+  constexpr float kBefore = 1.41421356f;  // cells
+  return {u, v, fused(-kBefore, du, u), fused(-kBefore, dv, v)};
+}
+
+/// Squared distance from the end to the nearest mean end point that may be the same wall [cells^2], or
+/// kNoMatch.
+PARLOC_HD float match_end(const TileMap& map, const EndOfBeam& e) {
+  const float fi = floor_of(e.u), fj = floor_of(e.v);
   const std::int32_t i = static_cast<std::int32_t>(fi), j = static_cast<std::int32_t>(fj);
   std::uint32_t walls = occupied_around(map, i, j);
   if (walls == 0) return kNoMatch;
-  const std::int32_t free_i = static_cast<std::int32_t>(floor_of(fused(-kBefore, du, u)));
-  const std::int32_t free_j = static_cast<std::int32_t>(floor_of(fused(-kBefore, dv, v)));
-  walls &= ~occupied_around(map, free_i, free_j);
-  const float in_u = u - fi, in_v = v - fj;
+  walls &= ~occupied_around(map, static_cast<std::int32_t>(floor_of(e.before_u)),
+                            static_cast<std::int32_t>(floor_of(e.before_v)));
+  const float in_u = e.u - fi, in_v = e.v - fj;
+  const std::int32_t in_i = i & (kTileCells - 1), in_j = j & (kTileCells - 1);
+  const bool one_tile = in_i > 0 && in_i < kTileCells - 1 && in_j > 0 && in_j < kTileCells - 1;
+  const CellWord* middle = map.tile(i, j).cell + cell_in_tile(i, j);
   float best = kNoMatch;
-  for (int k = 0; k < 9; ++k) {
-    if (((walls >> k) & 1u) == 0) continue;
-    const std::int32_t di = k % 3 - 1, dj = k / 3 - 1;
-    const MeanPlace mean = mean_place(map.cell(i + di, j + dj));
+  for (; walls != 0; walls &= walls - 1) {
+    const std::int32_t k = lowest_bit(walls);
+    const std::int32_t dj = (k * 11 >> 5) - 1, di = k - 3 * dj - 4;  // k / 3 - 1, k % 3 - 1
+    const MeanPlace mean = mean_place(one_tile ? middle[dj * kTileCells + di] : map.cell(i + di, j + dj));
     const float x = static_cast<float>(di) + mean.x - in_u, y = static_cast<float>(dj) + mean.y - in_v;
     const float d = fused(x, x, y * y);
     best = best < 0.0f || d < best ? d : best;
@@ -83,16 +94,20 @@ PARLOC_HD MatchPose match_pose(const SlamPose& p, const MatchRules& r) {
   return {p.x * r.inv_resolution, p.y * r.inv_resolution, a.cos, a.sin};
 }
 
+PARLOC_HD EndOfBeam end_of_beam(const Beams& b, std::size_t m, const MatchPose& p) {
+  const float u = fused(p.cos, b.end_x[m], fused(-p.sin, b.end_y[m], p.u));
+  const float v = fused(p.sin, b.end_x[m], fused(p.cos, b.end_y[m], p.v));
+  const float du = fused(p.cos, b.direction_x[m], -(p.sin * b.direction_y[m]));
+  const float dv = fused(p.sin, b.direction_x[m], p.cos * b.direction_y[m]);
+  return end_of_beam(u, v, du, dv);
+}
+
 /// One beam's part of a sum.
 template <class Term>
 PARLOC_HD std::int32_t match_term(const TileMap& map, const Beams& b, std::size_t m, const MatchPose& p,
                                   const MatchRules& r, const Term& term) {
   if (b.range_m[m] > r.usable_m) return 0;
-  const float u = fused(p.cos, b.end_x[m], fused(-p.sin, b.end_y[m], p.u));
-  const float v = fused(p.sin, b.end_x[m], fused(p.cos, b.end_y[m], p.v));
-  const float du = fused(p.cos, b.direction_x[m], -(p.sin * b.direction_y[m]));
-  const float dv = fused(p.sin, b.direction_x[m], p.cos * b.direction_y[m]);
-  return term(match_beam(map, u, v, du, dv), r);
+  return term(match_end(map, end_of_beam(b, m, p)), r);
 }
 
 }  // namespace parloc

@@ -166,7 +166,7 @@ TEST_F(MatchBeam, EqualsTheDefinitionInFloat64AcrossTiles) {
     const float u = 140.0f * random() - 70.0f, v = 140.0f * random() - 70.0f, angle = 6.28f * random();
     const float du = std::cos(angle), dv = std::sin(angle);
     const double slow = slow_match(u, v, du, dv);
-    const float fast = match_beam(map(), u, v, du, dv);
+    const float fast = match_end(map(), end_of_beam(u, v, du, dv));
     (slow < 0.0 ? none : found) += 1;
     if (slow < 0.0)
       EXPECT_EQ(fast, kNoMatch);
@@ -181,8 +181,9 @@ TEST_F(MatchBeam, AWallSeenFromBehindIsNoMatch) {
   for (int j = -5; j <= 5; ++j)
     for (int i = 3; i < 6; ++i) add(i, j, ended_at(0.5f, 0.5f));  // three cells thick
   tidy();
-  EXPECT_GE(match_beam(map(), 3.5f, 0.5f, 1.0f, 0.0f), 0.0f);
-  EXPECT_EQ(match_beam(map(), 4.5f, 0.5f, 0.0f, 1.0f), kNoMatch);  // what is before it is wall as well
+  EXPECT_GE(match_end(map(), end_of_beam(3.5f, 0.5f, 1.0f, 0.0f)), 0.0f);
+  EXPECT_EQ(match_end(map(), end_of_beam(4.5f, 0.5f, 0.0f, 1.0f)),
+            kNoMatch);  // what is before it is wall as well
 }
 
 // ---- Climbing
