@@ -14,6 +14,7 @@
 #include "common/slam/checkpoint_frame.h"
 #include "common/slam/path_tree.h"
 #include "common/slam/saved_parts.h"
+#include "common/slam/scan_odometry.h"
 #include "common/slam/slam_backend.h"
 #include "common/slam/sub_maps.h"
 
@@ -98,7 +99,9 @@ struct GridSlam::State {
   OdometryTrack track;
   ScanIntake intake;
   BeamTable beams;
-  std::optional<Pose> odometry;  ///< At the last scan that counted.
+  std::optional<ScanOdometry> scan_odometry;  ///< In place of the recorded one.
+  Pose latest_odometry;                       ///< At the last scan.
+  std::optional<Pose> odometry;               ///< At the last scan that counted.
   std::vector<Moment> moments;
   std::vector<Pose> odometry_of;  ///< By step.
   std::vector<SlamRecord> records;
@@ -109,6 +112,18 @@ struct GridSlam::State {
   bool far_enough(const Pose& now) const {
     return !odometry || way_between(*odometry, now) >= config.slam.update_min_d ||
            turn_between(*odometry, now) >= config.slam.update_min_a;
+  }
+  /// The recorded one, or the scan's own; whether the scan is one to take in.
+  bool next_odometry(const Pose& recorded, const Scan& scan) {
+    if (!scan_odometry) {
+      latest_odometry = recorded;
+      track.add(scan.stamp_s, recorded);
+      return far_enough(recorded) && take_in(scan);
+    }
+    const bool enough = take_in(scan);
+    latest_odometry = scan_odometry->step(scan.stamp_s, beams, intake.lidar_of(scan), enough);
+    track.add(scan.stamp_s, latest_odometry);
+    return enough && far_enough(latest_odometry);
   }
   bool take_in(const Scan& scan) {
     return intake.take(scan, intake.lidar_of(scan), config.scan, config.lidars, config.sensor, track,
@@ -126,6 +141,7 @@ GridSlam::GridSlam(const FilterConfig& config) : state_(std::make_unique<State>(
   validate(config);
   std::string why;
   state_->backend = make_slam_backend(config.backend, {config.slam, config.threads, config.device}, why);
+  if (config.slam.odometry == SlamOdometry::scans) state_->scan_odometry.emplace(config.slam);
 }
 GridSlam::GridSlam(SlamCheckpoint checkpoint) : GridSlam(checkpoint.config) {
   const std::string change = config_difference(checkpoint.saved_config_, checkpoint.config);
@@ -177,13 +193,13 @@ void GridSlam::State::load(ByteReader& r) {
 }
 
 void GridSlam::add_odometry(double stamp_s, const Pose& odometry) {
-  state_->track.add(stamp_s, odometry);
+  if (!state_->scan_odometry) state_->track.add(stamp_s, odometry);
 }
 
-bool GridSlam::step(const Pose& odometry, const Scan& scan) {
+bool GridSlam::step(const Pose& recorded, const Scan& scan) {
   State& s = *state_;
-  s.track.add(scan.stamp_s, odometry);
-  const bool counts = s.far_enough(odometry) && s.take_in(scan);
+  const bool counts = s.next_odometry(recorded, scan);
+  const Pose& odometry = s.latest_odometry;
   if (!counts) {
     if (s.odometry) s.moments.push_back({scan.stamp_s, odometry, s.records.size() - 1, false});
     return false;
@@ -287,6 +303,13 @@ SlamMemory GridSlam::memory() const {
   if (!s.records.empty()) memory.tile_bytes = s.records.back().tiles * sizeof(Tile);
   if (s.last != nullptr) memory.table_bytes = s.last->table_bytes;
   return memory;
+}
+Pose GridSlam::odometry() const {
+  return state_->latest_odometry;
+}
+std::optional<ScanOdometryCounts> GridSlam::scan_odometry() const {
+  const State& s = *state_;
+  return s.scan_odometry ? std::optional(s.scan_odometry->state().counts) : std::nullopt;
 }
 const std::vector<LidarUse>& GridSlam::lidars_used() const {
   return state_->intake.used();

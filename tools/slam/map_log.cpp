@@ -29,6 +29,7 @@ void finish(const GridSlam& slam, Mapping& m) {
   m.config = slam.config();
   m.backend = slam.backend_name();
   m.digest = slam.digest();
+  m.scan_odometry = slam.scan_odometry();
 }
 
 }  // namespace
@@ -46,7 +47,7 @@ Mapping map_log(LogReader& source, const MapRequest& request) {
   m.step_s = checkpoints.from().step_s;
   m.resumed_at = checkpoints.from().scans;
   double earliest_s = record.stamp_s, latest_s = record.stamp_s;
-  const Pose T_odometry_map = record.odometry;
+  Pose T_odometry_map;
   bool more = true;
   while (more) {
     const bool again = checkpoints.has_next(m.scans);
@@ -60,7 +61,9 @@ Mapping map_log(LogReader& source, const MapRequest& request) {
     if (taken_in) m.step_s.push_back(seconds_since(step_begun));
     ++m.scans;
     earliest_s = std::min(earliest_s, record.stamp_s), latest_s = std::max(latest_s, record.stamp_s);
-    m.odometry.push_back({record.stamp_s, relative(record.odometry, T_odometry_map)});
+    m.times.add(record.scan.sensor, record.stamp_s);
+    if (m.odometry.empty()) T_odometry_map = slam.odometry();
+    m.odometry.push_back({record.stamp_s, relative(slam.odometry(), T_odometry_map)});
     if (taken_in) growth.offer([&] { return growth_of(slam, m.scans); });
     if (taken_in && request.watch) request.watch(slam, m.scans);
     if (request.progress) request.progress(log.progress(), m.scans);
