@@ -14,6 +14,7 @@ ScanMatch match_scan(const MatchScanRules& rules, const TileMap& map, const Beam
     for (int k = 0, n = search.wanted(); k < n; ++k)
       sum[k] = sum_beams(map, beams, match_pose(candidate(k), rules.match), rules.match, ask, 0, 1);
   };
+  const float pull = rules.pull * kScoreUnits * static_cast<float>(matched);
   const StrictFloat strict;
   run_simd([&]() PARLOC_SIMD_LOOP {
     std::int32_t sum[WideSearch::kBatch], bound[WideSearch::kMostBlocks];
@@ -28,6 +29,11 @@ ScanMatch match_scan(const MatchScanRules& rules, const TileMap& map, const Beam
     climb.begin(search.pose(), rules.climb);
     while (!climb.done()) {
       sums(climb, Ask::score, sum, [&](int k) { return climb.candidate(k); });
+      for (int k = 0, n = climb.wanted(); k < n; ++k) {
+        const SlamPose p = climb.candidate(k);
+        const float dx = p.x - start.x, dy = p.y - start.y;
+        sum[k] -= whole_of(pull * fused(dx, dx, dy * dy));
+      }
       climb.take(sum);
     }
     found.pose = climb.pose();

@@ -19,9 +19,12 @@ constexpr double kReach_m = 0.4, kReach_rad = 0.3;
 constexpr double kFar_m = 1.0, kFar_rad = 0.4;
 constexpr int kFarTurns = 2;  // windows to either side, 2 kFar_rad apart
 constexpr double kBias = 0.05;
-constexpr float kGoodFit = 0.6f;       // of the climb from the prediction: no search is needed
-constexpr float kLeastFit = 0.35f;     // below it, a scan does not fit
-constexpr float kLeastFarFit = 0.5f;   // the wider the window, the more poses fit by chance
+constexpr float kPull = 2.0f;         // of the climb, to the prediction [1/m^2]
+constexpr double kNewSpeed = 0.2;     // part of a step in the speed along the way, which is a mean: corridors
+constexpr double kGap_s = 2.0;        // after it, the prediction is worth little
+constexpr float kGoodFit = 0.6f;      // of the climb from the prediction: no search is needed
+constexpr float kLeastFit = 0.35f;    // below it, a scan does not fit
+constexpr float kLeastFarFit = 0.5f;  // the wider the window, the more poses fit by chance
 constexpr std::size_t kPatience = 10;  // scans that do not fit, before the local map is begun anew
 // A key scan after so much way; the local map is begun anew from the last `kKept` when it has `kMost`.
 constexpr double kKey_m = 0.25, kKey_rad = 0.2;
@@ -43,7 +46,7 @@ struct ScanOdometry::Matcher {
       : near{bind_propose_rules(c).match, bind_search_rules(c, kReach_m, kReach_rad, kBias),
              bind_propose_rules(c).climb},
         far{near.match, bind_search_rules(c, kFar_m, kFar_rad, kBias), near.climb},
-        climb{near.match, {}, near.climb},
+        climb{near.match, {}, near.climb, kPull},
         map(bind_draw_rules(c), near.match) {}
 
   Pose predicted(double stamp_s) const;
@@ -96,8 +99,13 @@ bool ScanOdometry::Matcher::match_far(const BeamTable& beams, Pose& pose) {
 
 void ScanOdometry::Matcher::note_step(double stamp_s, const Pose& pose, bool fits) {
   const double time_s = stamp_s - s.stamp_s;
-  if (fits && time_s >= kShortest_s && s.unfit_in_a_row == 0) {
-    s.step = relative(pose, s.pose);
+  if (time_s > kGap_s) s.step_s = 0.0;
+  if (fits && time_s >= kShortest_s && time_s <= kGap_s && s.unfit_in_a_row == 0) {
+    const Pose step = relative(pose, s.pose);
+    const bool mean = s.step_s > 0.0;
+    const Pose before = mean ? along_arc(s.step, std::min(time_s / s.step_s, kMostSteps)) : step;
+    s.step = {before.x_m + kNewSpeed * (step.x_m - before.x_m),
+              before.y_m + kNewSpeed * (step.y_m - before.y_m), step.theta_rad};
     s.step_s = time_s;
   }
   s.pose = pose;
@@ -146,7 +154,8 @@ Pose ScanOdometry::step(double stamp_s, const BeamTable& beams, std::size_t lida
     return s.pose;
   }
   Pose pose = m.predicted(stamp_s);
-  bool fits = enough && m.match(beams, pose);
+  const bool gap = stamp_s - s.stamp_s > kGap_s;
+  bool fits = enough && !gap && m.match(beams, pose);
   if (enough && !fits && m.match_far(beams, pose)) fits = true, ++s.counts.far;
   m.note_step(stamp_s, pose, fits);
   s.unfit_in_a_row = fits ? 0 : s.unfit_in_a_row + 1;

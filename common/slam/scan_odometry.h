@@ -22,7 +22,7 @@ struct KeyScan {
 struct ScanOdometryCounts {
   std::size_t scans = 0;     ///< All.
   std::size_t unfit = 0;     ///< Of them fitted nowhere near, or had too few beams: the prediction was kept.
-  std::size_t far = 0;       ///< Were found only by the search of the wider window.
+  std::size_t far = 0;       ///< Were looked for, and found, in the wider window.
   std::size_t new_maps = 0;  ///< Times that nothing fitted for so long that the local map was begun anew.
 };
 
