@@ -145,7 +145,7 @@ int run(const SlamOptions& o, const std::string& typed) {
   request.resume = checkpoint ? &*checkpoint : nullptr;
   request.checkpoint_every_s = o.every.empty() ? 60.0 : parse_number("--checkpoint-every", o.every, 0.0, 1e6);
   request.log_name = o.log;
-  const bool chosen = slam::choose_odometry(o.log, request.config);
+  const bool chosen = !checkpoint && slam::choose_odometry(o.log, request.config);
   if (chosen) fmt::print(stderr, "parloc: {}: {}\n", o.log, slam::kOdometryFromScans);
   const std::unique_ptr<LogReader> log = open_carmen_log(o.log);
   const std::vector<Relation> relations =

@@ -100,7 +100,6 @@ struct GridSlam::State {
   ScanIntake intake;
   BeamTable beams;
   std::optional<ScanOdometry> scan_odometry;  ///< In place of the recorded one.
-  Pose latest_odometry;                       ///< At the last scan.
   std::optional<Pose> odometry;               ///< At the last scan that counted.
   std::vector<Moment> moments;
   std::vector<Pose> odometry_of;  ///< By step.
@@ -113,17 +112,17 @@ struct GridSlam::State {
     return !odometry || way_between(*odometry, now) >= config.slam.update_min_d ||
            turn_between(*odometry, now) >= config.slam.update_min_a;
   }
-  /// The recorded one, or the scan's own; whether the scan is one to take in.
-  bool next_odometry(const Pose& recorded, const Scan& scan) {
+  /// Puts the scan's own odometry, if so set, in place of the recorded one; whether the scan is one to take
+  /// in.
+  bool next_odometry(Pose& now, const Scan& scan) {
     if (!scan_odometry) {
-      latest_odometry = recorded;
-      track.add(scan.stamp_s, recorded);
-      return far_enough(recorded) && take_in(scan);
+      track.add(scan.stamp_s, now);
+      return far_enough(now) && take_in(scan);
     }
     const bool enough = take_in(scan);
-    latest_odometry = scan_odometry->step(scan.stamp_s, beams, intake.lidar_of(scan), enough);
-    track.add(scan.stamp_s, latest_odometry);
-    return enough && far_enough(latest_odometry);
+    now = scan_odometry->step(scan.stamp_s, beams, intake.lidar_of(scan), enough);
+    track.add(scan.stamp_s, now);
+    return enough && far_enough(now);
   }
   bool take_in(const Scan& scan) {
     return intake.take(scan, intake.lidar_of(scan), config.scan, config.lidars, config.sensor, track,
@@ -172,6 +171,7 @@ void GridSlam::State::save(ByteWriter& w) const {
   w.put_each(records, put_record);
   paths.save(w);
   sub_maps.save(w);
+  if (scan_odometry) put_scan_odometry(w, scan_odometry->state());
 }
 
 void GridSlam::State::load(ByteReader& r) {
@@ -184,6 +184,7 @@ void GridSlam::State::load(ByteReader& r) {
   records = r.get_each(33, get_record);
   paths.load(r);
   sub_maps.load(r, backend->save().span);
+  if (scan_odometry) scan_odometry->restore(get_scan_odometry(r));
   r.expect(r.left() == 0, "its end");
   const std::size_t steps = records.size();
   r.expect(odometry_of.size() == steps && paths.steps() == steps && odometry.has_value() == (steps > 0),
@@ -198,8 +199,8 @@ void GridSlam::add_odometry(double stamp_s, const Pose& odometry) {
 
 bool GridSlam::step(const Pose& recorded, const Scan& scan) {
   State& s = *state_;
-  const bool counts = s.next_odometry(recorded, scan);
-  const Pose& odometry = s.latest_odometry;
+  Pose odometry = recorded;
+  const bool counts = s.next_odometry(odometry, scan);
   if (!counts) {
     if (s.odometry) s.moments.push_back({scan.stamp_s, odometry, s.records.size() - 1, false});
     return false;
@@ -304,8 +305,10 @@ SlamMemory GridSlam::memory() const {
   if (s.last != nullptr) memory.table_bytes = s.last->table_bytes;
   return memory;
 }
-Pose GridSlam::odometry() const {
-  return state_->latest_odometry;
+Trajectory GridSlam::odometry() const {
+  Trajectory out;
+  for (const Moment& m : state_->moments) out.push_back({m.stamp_s, m.odometry});
+  return out;
 }
 std::optional<ScanOdometryCounts> GridSlam::scan_odometry() const {
   const State& s = *state_;

@@ -69,8 +69,8 @@ class GridSlam {
   /// By scan that counted: how many different poses the particles of now have behind them there.
   std::vector<std::size_t> distinct_ancestors() const;
   SlamMemory memory() const;
-  /// At the last scan: as recorded, or from the scans.
-  Pose odometry() const;
+  /// At every scan from the first that counted on: as recorded, or from the scans.
+  Trajectory odometry() const;
   /// What became of the scans; nothing with recorded odometry.
   std::optional<ScanOdometryCounts> scan_odometry() const;
   const std::vector<LidarUse>& lidars_used() const;  ///< By LiDAR, in the order in which they came.

@@ -30,6 +30,7 @@ void finish(const GridSlam& slam, Mapping& m) {
   m.backend = slam.backend_name();
   m.digest = slam.digest();
   m.scan_odometry = slam.scan_odometry();
+  if (m.scan_odometry) m.odometry = slam.odometry();  // its first scan is its origin
 }
 
 }  // namespace
@@ -47,7 +48,7 @@ Mapping map_log(LogReader& source, const MapRequest& request) {
   m.step_s = checkpoints.from().step_s;
   m.resumed_at = checkpoints.from().scans;
   double earliest_s = record.stamp_s, latest_s = record.stamp_s;
-  Pose T_odometry_map;
+  const Pose T_odometry_map = record.odometry;
   bool more = true;
   while (more) {
     const bool again = checkpoints.has_next(m.scans);
@@ -62,8 +63,7 @@ Mapping map_log(LogReader& source, const MapRequest& request) {
     ++m.scans;
     earliest_s = std::min(earliest_s, record.stamp_s), latest_s = std::max(latest_s, record.stamp_s);
     m.times.add(record.scan.sensor, record.stamp_s);
-    if (m.odometry.empty()) T_odometry_map = slam.odometry();
-    m.odometry.push_back({record.stamp_s, relative(slam.odometry(), T_odometry_map)});
+    m.odometry.push_back({record.stamp_s, relative(record.odometry, T_odometry_map)});
     if (taken_in) growth.offer([&] { return growth_of(slam, m.scans); });
     if (taken_in && request.watch) request.watch(slam, m.scans);
     if (request.progress) request.progress(log.progress(), m.scans);
