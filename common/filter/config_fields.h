@@ -109,6 +109,9 @@ inline constexpr std::array<Choice<SlamProposal>, 3> kSlamProposals{{{"motion", 
                                                                      {"scan_match", SlamProposal::scan_match},
                                                                      {"gaussian", SlamProposal::gaussian}}};
 
+inline constexpr std::array<Choice<SlamOdometry>, 2> kSlamOdometries{
+    {{"recorded", SlamOdometry::recorded}, {"scans", SlamOdometry::scans}}};
+
 /// Calls `visit` once per setting, in the order of the printed configuration (top level first, then by
 /// group), with (Field, number&, Limits<number>) for int, int64, uint64 and double; (Field, bool&); (Field,
 /// enum&, array of Choice). `Config` is FilterConfig or const FilterConfig.
@@ -282,6 +285,7 @@ void visit_fields(Config& c, Visitor&& visit) {
         Limits<std::int64_t>{1, 65'535});
   visit(Field{"slam", "proposal", "From odometry alone, the best fit near it, or drawn around that"},
         l.proposal, kSlamProposals);
+  visit(Field{"slam", "odometry", "As recorded, or from the scans alone"}, l.odometry, kSlamOdometries);
   visit(Field{"slam", "max_beams", "Beams used of a scan, in place of scan.max_beams"}, l.max_beams,
         Int{1, static_cast<int>(kMostSlamBeams)});
   visit(Field{"slam", "resolution", "Cell size of the maps [m]"}, l.resolution, Real{0.005, 1});

@@ -14,6 +14,7 @@
 #include "common/slam/checkpoint_frame.h"
 #include "common/slam/path_tree.h"
 #include "common/slam/saved_parts.h"
+#include "common/slam/scan_odometry.h"
 #include "common/slam/slam_backend.h"
 #include "common/slam/sub_maps.h"
 
@@ -98,7 +99,8 @@ struct GridSlam::State {
   OdometryTrack track;
   ScanIntake intake;
   BeamTable beams;
-  std::optional<Pose> odometry;  ///< At the last scan that counted.
+  std::optional<ScanOdometry> scan_odometry;  ///< In place of the recorded one.
+  std::optional<Pose> odometry;               ///< At the last scan that counted.
   std::vector<Moment> moments;
   std::vector<Pose> odometry_of;  ///< By step.
   std::vector<SlamRecord> records;
@@ -109,6 +111,18 @@ struct GridSlam::State {
   bool far_enough(const Pose& now) const {
     return !odometry || way_between(*odometry, now) >= config.slam.update_min_d ||
            turn_between(*odometry, now) >= config.slam.update_min_a;
+  }
+  /// Puts the scan's own odometry, if so set, in place of the recorded one; whether the scan is one to take
+  /// in.
+  bool next_odometry(Pose& now, const Scan& scan) {
+    if (!scan_odometry) {
+      track.add(scan.stamp_s, now);
+      return far_enough(now) && take_in(scan);
+    }
+    const bool enough = take_in(scan);
+    now = scan_odometry->step(scan.stamp_s, beams, intake.lidar_of(scan), enough);
+    track.add(scan.stamp_s, now);
+    return enough && far_enough(now);
   }
   bool take_in(const Scan& scan) {
     return intake.take(scan, intake.lidar_of(scan), config.scan, config.lidars, config.sensor, track,
@@ -126,6 +140,7 @@ GridSlam::GridSlam(const FilterConfig& config) : state_(std::make_unique<State>(
   validate(config);
   std::string why;
   state_->backend = make_slam_backend(config.backend, {config.slam, config.threads, config.device}, why);
+  if (config.slam.odometry == SlamOdometry::scans) state_->scan_odometry.emplace(config.slam);
 }
 GridSlam::GridSlam(SlamCheckpoint checkpoint) : GridSlam(checkpoint.config) {
   const std::string change = config_difference(checkpoint.saved_config_, checkpoint.config);
@@ -156,6 +171,7 @@ void GridSlam::State::save(ByteWriter& w) const {
   w.put_each(records, put_record);
   paths.save(w);
   sub_maps.save(w);
+  if (scan_odometry) put_scan_odometry(w, scan_odometry->state());
 }
 
 void GridSlam::State::load(ByteReader& r) {
@@ -168,6 +184,7 @@ void GridSlam::State::load(ByteReader& r) {
   records = r.get_each(33, get_record);
   paths.load(r);
   sub_maps.load(r, backend->save().span);
+  if (scan_odometry) scan_odometry->restore(get_scan_odometry(r));
   r.expect(r.left() == 0, "its end");
   const std::size_t steps = records.size();
   r.expect(odometry_of.size() == steps && paths.steps() == steps && odometry.has_value() == (steps > 0),
@@ -177,13 +194,13 @@ void GridSlam::State::load(ByteReader& r) {
 }
 
 void GridSlam::add_odometry(double stamp_s, const Pose& odometry) {
-  state_->track.add(stamp_s, odometry);
+  if (!state_->scan_odometry) state_->track.add(stamp_s, odometry);
 }
 
-bool GridSlam::step(const Pose& odometry, const Scan& scan) {
+bool GridSlam::step(const Pose& recorded, const Scan& scan) {
   State& s = *state_;
-  s.track.add(scan.stamp_s, odometry);
-  const bool counts = s.far_enough(odometry) && s.take_in(scan);
+  Pose odometry = recorded;
+  const bool counts = s.next_odometry(odometry, scan);
   if (!counts) {
     if (s.odometry) s.moments.push_back({scan.stamp_s, odometry, s.records.size() - 1, false});
     return false;
@@ -287,6 +304,15 @@ SlamMemory GridSlam::memory() const {
   if (!s.records.empty()) memory.tile_bytes = s.records.back().tiles * sizeof(Tile);
   if (s.last != nullptr) memory.table_bytes = s.last->table_bytes;
   return memory;
+}
+Trajectory GridSlam::odometry() const {
+  Trajectory out;
+  for (const Moment& m : state_->moments) out.push_back({m.stamp_s, m.odometry});
+  return out;
+}
+std::optional<ScanOdometryCounts> GridSlam::scan_odometry() const {
+  const State& s = *state_;
+  return s.scan_odometry ? std::optional(s.scan_odometry->state().counts) : std::nullopt;
 }
 const std::vector<LidarUse>& GridSlam::lidars_used() const {
   return state_->intake.used();

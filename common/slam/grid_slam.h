@@ -4,6 +4,7 @@
 
 #include <cstddef>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -12,6 +13,7 @@
 #include "common/io/trajectory.h"
 #include "common/map/grid_map.h"
 #include "common/model/beam_counts.h"
+#include "common/slam/scan_odometry.h"
 #include "common/slam/slam_checkpoint.h"
 
 namespace parloc {
@@ -51,6 +53,7 @@ class GridSlam {
   void add_odometry(double stamp_s, const Pose& odometry);
   /// Takes a scan in if the robot has moved far enough since the last one that counted; whether it did. The
   /// map frame's origin is where the first scan was taken.
+  /// With slam.odometry `scans` the odometry handed over, here and above, is not looked at.
   bool step(const Pose& odometry, const Scan& scan);
 
   /// Slot of the most likely particle.
@@ -66,6 +69,10 @@ class GridSlam {
   /// By scan that counted: how many different poses the particles of now have behind them there.
   std::vector<std::size_t> distinct_ancestors() const;
   SlamMemory memory() const;
+  /// At every scan from the first that counted on: as recorded, or from the scans.
+  Trajectory odometry() const;
+  /// What became of the scans; nothing with recorded odometry.
+  std::optional<ScanOdometryCounts> scan_odometry() const;
   const std::vector<LidarUse>& lidars_used() const;  ///< By LiDAR, in the order in which they came.
   const FilterConfig& config() const;
   std::string backend_name() const;

@@ -135,6 +135,64 @@ std::vector<LidarUse> get_lidars(ByteReader& r) {
   });
 }
 
+namespace {
+
+/// Every array of a scan's beams.
+template <class Table, class Visit>
+void visit_arrays(Table& t, const Visit& visit) {
+  for (auto* values : {&t.origin_x, &t.origin_y, &t.direction_x, &t.direction_y, &t.range_m, &t.short_density,
+                       &t.end_x, &t.end_y})
+    visit(*values);
+}
+void put_key(ByteWriter& w, const KeyScan& key) {
+  w.put_count(key.beams.count), w.put_count(key.beams.hits), w.put(key.beams.range_max_m);
+  visit_arrays(key.beams, [&](const std::vector<float>& values) { w.put(values); });
+  put_pose(w, key.pose);
+  w.put_count(key.lidar);
+}
+KeyScan get_key(ByteReader& r, const Pose& origin) {
+  constexpr double kFarthest_m = 1e4;  // cells between there and here are whole numbers of 32 bits
+  KeyScan key;
+  key.beams.count = r.get<std::uint64_t>(), key.beams.hits = r.get<std::uint64_t>();
+  key.beams.range_max_m = r.get<float>();
+  r.expect(key.beams.hits <= key.beams.count && key.beams.count <= kMaxBeams, "a scan");
+  visit_arrays(key.beams, [&](std::vector<float>& values) {
+    values = get_floats(r, key.beams.count);
+    for (const float v : values) r.expect(std::fabs(v) <= 1e6f, "beams of a length that can be");
+  });
+  measure_origins(key.beams);
+  key.pose = get_pose(r);
+  key.lidar = r.get<std::uint64_t>();
+  const Pose from = relative(key.pose, origin);
+  r.expect(std::fabs(from.x_m) <= kFarthest_m && std::fabs(from.y_m) <= kFarthest_m && key.lidar < 1000,
+           "key scans near each other");
+  return key;
+}
+/// Every count of a scan odometry, in the order of the file.
+template <class State, class Visit>
+void visit_odometry_counts(State& s, const Visit& visit) {
+  for (auto* count : {&s.unfit_in_a_row, &s.counts.scans, &s.counts.unfit, &s.counts.far, &s.counts.new_maps})
+    visit(*count);
+}
+
+}  // namespace
+
+void put_scan_odometry(ByteWriter& w, const ScanOdometryState& s) {
+  for (const Pose* p : {&s.origin, &s.pose, &s.step}) put_pose(w, *p);
+  w.put(s.stamp_s), w.put(s.step_s);
+  visit_odometry_counts(s, [&](const std::size_t& count) { w.put_count(count); });
+  w.put_each(s.keys, put_key);
+}
+ScanOdometryState get_scan_odometry(ByteReader& r) {
+  ScanOdometryState s;
+  for (Pose* p : {&s.origin, &s.pose, &s.step}) *p = get_pose(r);
+  s.stamp_s = r.get<double>(), s.step_s = r.get<double>();
+  r.expect(std::isfinite(s.stamp_s) && s.step_s >= 0.0 && s.step_s < 1e6, "times of scans");
+  visit_odometry_counts(s, [&](std::size_t& count) { count = r.get<std::uint64_t>(); });
+  s.keys = r.get_each(124, [&](ByteReader& in) { return get_key(in, s.origin); });
+  return s;
+}
+
 void put_tile(ByteWriter& w, const Tile& tile) {
   w.put_all(tile.cell, kCells);
 }

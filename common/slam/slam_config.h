@@ -16,9 +16,16 @@ enum class SlamProposal {
   gaussian,    ///< Drawn from a Gaussian around the best fit, by scan and odometry (Grisetti et al. 2007).
 };
 
+/// What moves the particles between scans.
+enum class SlamOdometry {
+  recorded,  ///< The readings that are handed over.
+  scans,     ///< Each scan matched to the last ones (ScanOdometry); readings are not looked at.
+};
+
 struct SlamConfig {
   std::int64_t particles = 30;
   SlamProposal proposal = SlamProposal::scan_match;
+  SlamOdometry odometry = SlamOdometry::recorded;
   int max_beams = 180;       ///< As scan.max_beams, which this filter does not read; at most kMostSlamBeams.
   double resolution = 0.05;  ///< Cell size [m].
   double usable_range = 30.0;         ///< Beams are cut here: farther ends are not matched or drawn [m].

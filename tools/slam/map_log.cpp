@@ -29,6 +29,8 @@ void finish(const GridSlam& slam, Mapping& m) {
   m.config = slam.config();
   m.backend = slam.backend_name();
   m.digest = slam.digest();
+  m.scan_odometry = slam.scan_odometry();
+  if (m.scan_odometry) m.odometry = slam.odometry();  // its first scan is its origin
 }
 
 }  // namespace
@@ -60,6 +62,7 @@ Mapping map_log(LogReader& source, const MapRequest& request) {
     if (taken_in) m.step_s.push_back(seconds_since(step_begun));
     ++m.scans;
     earliest_s = std::min(earliest_s, record.stamp_s), latest_s = std::max(latest_s, record.stamp_s);
+    m.times.add(record.scan.sensor, record.stamp_s);
     m.odometry.push_back({record.stamp_s, relative(record.odometry, T_odometry_map)});
     if (taken_in) growth.offer([&] { return growth_of(slam, m.scans); });
     if (taken_in && request.watch) request.watch(slam, m.scans);

@@ -3,6 +3,7 @@
 
 #include <cstddef>
 #include <functional>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -14,6 +15,7 @@
 #include "common/model/lidar.h"
 #include "common/slam/grid_slam.h"
 #include "tools/slam/growth.h"
+#include "tools/slam/scan_times.h"
 
 namespace parloc::slam {
 
@@ -33,7 +35,7 @@ struct Mapping {
   GridMap map;  ///< Of the most likely particle.
   Trajectory
       trajectory;       ///< Its way: one row per scan, in file order. Origin: where the first scan was taken.
-  Trajectory odometry;  ///< Dead reckoning from there.
+  Trajectory odometry;  ///< Dead reckoning from there, or by the scans.
   std::vector<SlamRecord> records;    ///< One per scan that was taken in.
   std::vector<std::size_t> distinct;  ///< Ancestors of the last particles, by such a scan.
   std::vector<double> step_s;         ///< Wall time of each of them.
@@ -43,6 +45,8 @@ struct Mapping {
   SlamMemory memory;
   std::vector<LidarUse> lidars;
   LogWarnings warnings;
+  ScanTimes times;
+  std::optional<ScanOdometryCounts> scan_odometry;  ///< Nothing with recorded odometry.
   FilterConfig config;
   std::string backend, digest;
   double wall_s = 0.0, log_s = 0.0;

@@ -12,6 +12,7 @@
 #include "tools/bench/json_parts.h"
 #include "tools/bench/statistics.h"
 #include "tools/result_parts.h"
+#include "tools/slam/odometry_choice.h"
 
 namespace parloc::slam {
 namespace {
@@ -39,6 +40,19 @@ std::string depletion_text(const Mapping& m) {
                      m.distinct.size());
 }
 
+std::string odometry_text(const ScanOdometryCounts& c) {
+  return fmt::format("from the scans; {} of {} did not fit, the local map was begun anew {} times", c.unfit,
+                     c.scans, c.new_maps);
+}
+
+Json odometry_json(const SlamResults& results) {
+  const auto& c = results.mapping.scan_odometry;
+  if (!c) return {{"from", "recorded"}};
+  return {{"from", "scans"},   {"recorded_never_moves", results.odometry_chosen},
+          {"scans", c->scans}, {"unfit", c->unfit},
+          {"far", c->far},     {"new_maps", c->new_maps}};
+}
+
 std::vector<Fact> main_facts(const SlamResults& results) {
   const Mapping& m = results.mapping;
   std::vector<Fact> facts;
@@ -52,6 +66,7 @@ std::vector<Fact> main_facts(const SlamResults& results) {
     facts.push_back({"relation error", tools::relations_text(*results.relations)});
   facts.push_back({"particles", fmt::format("{}, resampled {} times; {}", m.config.slam.particles,
                                             resampled(m.records), depletion_text(m))});
+  if (m.scan_odometry) facts.push_back({"odometry", odometry_text(*m.scan_odometry)});
   facts.push_back({"memory", memory_text(m.memory)});
   facts.push_back({"time", fmt::format("{:.2f} s for {:.2f} s of log ({:.1f} times real time)", m.wall_s,
                                        m.log_s, m.real_time_factor())});
@@ -60,13 +75,22 @@ std::vector<Fact> main_facts(const SlamResults& results) {
   return facts;
 }
 
-std::vector<std::string> warning_lines(const Mapping& m) {
+std::vector<std::string> warning_lines(const SlamResults& results) {
+  const Mapping& m = results.mapping;
   std::vector<std::string> lines;
+  if (results.odometry_chosen) lines.push_back(kOdometryFromScans);
+  if (m.scan_odometry && m.scan_odometry->new_maps > 0)
+    lines.push_back(fmt::format("the odometry from the scans was lost {} times: the map may be torn there",
+                                m.scan_odometry->new_maps));
   const auto add = [&](std::size_t count, const char* what) {
     if (count > 0) lines.push_back(fmt::format("{} {}", count, what));
   };
   add(m.warnings.broken_lines, "broken lines were skipped");
   add(m.warnings.backward_stamps, "scans go back in time; the order of the file was kept");
+  add(m.times.repeated(), "scans have the time stamp of the one before");
+  if (m.times.gaps() > 0)
+    lines.push_back(fmt::format("{} gaps of more than {} s between scans, the longest {:.1f} s",
+                                m.times.gaps(), ScanTimes::kGap_s, m.times.longest_gap_s()));
   add(m.warnings.beam_count_changes, "scans have another number of beams than the one before");
   lines.insert(lines.end(), m.warnings.messages.begin(), m.warnings.messages.end());
   return lines;
@@ -159,6 +183,7 @@ std::string metrics_json(const SlamResults& results) {
   json["parloc"] = PARLOC_VERSION;
   json["relations"] = tools::relations_json(results.relations);
   json["truth"] = truth_json(results.errors);
+  json["odometry"] = odometry_json(results);
   json["scans"] = m.scans;
   json["scans_taken_in"] = m.records.size();
   json["resumed_at"] = m.resumed_at;
@@ -180,6 +205,8 @@ std::string metrics_json(const SlamResults& results) {
   json["taken_in"] = scans_json(m);
   json["warnings"] = {{"broken_lines", m.warnings.broken_lines},
                       {"backward_stamps", m.warnings.backward_stamps},
+                      {"repeated_stamps", m.times.repeated()},
+                      {"gaps", m.times.gaps()},
                       {"beam_count_changes", m.warnings.beam_count_changes},
                       {"messages", m.warnings.messages}};
   json["backend"] = m.backend;
@@ -200,7 +227,7 @@ RunReport report_of(const SlamResults& results) {
   if (results.errors)
     report.summary.push_back({"truth", results.truth_path + ", turned and moved to where it fits best"});
   report.details = {tools::config_facts(m.config)};
-  report.warnings = warning_lines(m);
+  report.warnings = warning_lines(results);
   report.map = &m.map;
   report.estimate = m.trajectory;
   report.odometry = m.odometry;
@@ -227,8 +254,7 @@ std::string summary_text(const SlamResults& results) {
                               results.errors->compared)});
   std::string text;
   for (const Fact& fact : facts) text += fmt::format("{:<16}{}\n", fact.key, fact.value);
-  for (const std::string& line : warning_lines(results.mapping))
-    text += fmt::format("{:<16}{}\n", "warning", line);
+  for (const std::string& line : warning_lines(results)) text += fmt::format("{:<16}{}\n", "warning", line);
   return text;
 }
 
