@@ -12,7 +12,8 @@ ScanMatch match_scan(const MatchScanRules& rules, const TileMap& map, const Beam
   for (std::size_t m = 0; m < beams.hits; ++m) matched += beams.range_m[m] <= rules.match.usable_m ? 1 : 0;
   if (matched == 0) return found;
   BeamSums beam_sums;
-  const auto sums = [&](const auto& search, Ask ask, std::int32_t* sum, const auto& candidate) {
+  const auto sums = [&](const auto& search, Ask ask, std::int32_t* sum,
+                        const auto& candidate) PARLOC_SIMD_LOOP {
     for (int k = 0, n = search.wanted(); k < n; ++k)
       sum[k] = beam_sums.sum(map, beams, match_pose(candidate(k), rules.match), rules.match, ask);
   };
@@ -24,13 +25,13 @@ ScanMatch match_scan(const MatchScanRules& rules, const TileMap& map, const Beam
     search.begin(start, rules.search, matched);
     while (rules.search.any() && !search.done()) {
       sums(search, search.asks_bounds() ? Ask::bound : Ask::score, sum,
-           [&](int k) { return search.candidate(k, rules.search); });
+           [&](int k) PARLOC_SIMD_LOOP { return search.candidate(k, rules.search); });
       search.take(sum, bound, rules.search);
     }
     HillClimb climb;
     climb.begin(search.pose(), rules.climb);
     while (!climb.done()) {
-      sums(climb, Ask::score, sum, [&](int k) { return climb.candidate(k); });
+      sums(climb, Ask::score, sum, [&](int k) PARLOC_SIMD_LOOP { return climb.candidate(k); });
       for (int k = 0, n = climb.wanted(); k < n; ++k) {
         const SlamPose p = climb.candidate(k);
         const float dx = p.x - start.x, dy = p.y - start.y;
