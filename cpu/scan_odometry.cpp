@@ -25,6 +25,7 @@ constexpr double kGap_s = 2.0;        // after it, the prediction is worth littl
 constexpr float kGoodFit = 0.6f;      // of the climb from the prediction: no search is needed
 constexpr float kLeastFit = 0.35f;    // below it, a scan does not fit
 constexpr float kLeastFarFit = 0.5f;  // the wider the window, the more poses fit by chance
+constexpr float kFarGain = 0.15f;     // by which it must fit better there than near, after a gap
 constexpr std::size_t kPatience = 10;  // scans that do not fit, before the local map is begun anew
 // A key scan after so much way; the local map is begun anew from the last `kKept` when it has `kMost`.
 constexpr double kKey_m = 0.25, kKey_rad = 0.2;
@@ -50,8 +51,8 @@ struct ScanOdometry::Matcher {
         map(bind_draw_rules(c), near.match) {}
 
   Pose predicted(double stamp_s) const;
-  bool match(const BeamTable& beams, Pose& pose);
-  bool match_far(const BeamTable& beams, Pose& pose);
+  float match(const BeamTable& beams, Pose& pose);
+  float match_far(const BeamTable& beams, Pose& pose, float least);
   void note_step(double stamp_s, const Pose& pose, bool fits);
   bool is_key(std::size_t lidar) const;
   void add_key(const BeamTable& beams, std::size_t lidar);
@@ -70,21 +71,21 @@ Pose ScanOdometry::Matcher::predicted(double stamp_s) const {
   return compose(s.pose, along_arc(s.step, steps));
 }
 
-/// Whether the scan fits near `pose`, which is then where. The search is for where the climb alone does not
-/// fit well: it would also find the poses that slide along a corridor, back to what is known.
-bool ScanOdometry::Matcher::match(const BeamTable& beams, Pose& pose) {
+/// How well the scan fits near `pose`, which is then where; 0: it does not. The search is for where the climb
+/// alone does not fit well: it would also find the poses that slide along a corridor, back to what is known.
+float ScanOdometry::Matcher::match(const BeamTable& beams, Pose& pose) {
   const SlamPose start = slam_pose(relative(pose, s.origin));
   cpu::ScanMatch found = cpu::match_scan(climb, map.view(), bind_beams(beams), start);
   if (found.fit < kGoodFit) {
     const cpu::ScanMatch searched = cpu::match_scan(near, map.view(), bind_beams(beams), start);
     if (searched.fit > found.fit) found = searched;
   }
-  if (found.fit < kLeastFit) return false;
+  if (found.fit < kLeastFit) return 0.0f;
   pose = compose(s.origin, pose_of(found.pose));
-  return true;
+  return found.fit;
 }
 
-bool ScanOdometry::Matcher::match_far(const BeamTable& beams, Pose& pose) {
+float ScanOdometry::Matcher::match_far(const BeamTable& beams, Pose& pose, float least) {
   cpu::ScanMatch best;
   for (int k = -kFarTurns; k <= kFarTurns; ++k) {
     Pose start = relative(pose, s.origin);
@@ -92,9 +93,9 @@ bool ScanOdometry::Matcher::match_far(const BeamTable& beams, Pose& pose) {
     const cpu::ScanMatch found = cpu::match_scan(far, map.view(), bind_beams(beams), slam_pose(start));
     if (found.fit > best.fit) best = found;
   }
-  if (best.fit < kLeastFarFit) return false;
+  if (best.fit < least) return 0.0f;
   pose = compose(s.origin, pose_of(best.pose));
-  return true;
+  return best.fit;
 }
 
 void ScanOdometry::Matcher::note_step(double stamp_s, const Pose& pose, bool fits) {
@@ -155,8 +156,10 @@ Pose ScanOdometry::step(double stamp_s, const BeamTable& beams, std::size_t lida
   }
   Pose pose = m.predicted(stamp_s);
   const bool gap = stamp_s - s.stamp_s > kGap_s;
-  bool fits = enough && !gap && m.match(beams, pose);
-  if (enough && !fits && m.match_far(beams, pose)) fits = true, ++s.counts.far;
+  const float near_fit = enough ? m.match(beams, pose) : 0.0f;
+  bool fits = near_fit > 0.0f;
+  const float least = std::max(kLeastFarFit, near_fit + kFarGain);
+  if (enough && (gap || !fits) && m.match_far(beams, pose, least) > 0.0f) fits = true, ++s.counts.far;
   m.note_step(stamp_s, pose, fits);
   s.unfit_in_a_row = fits ? 0 : s.unfit_in_a_row + 1;
   s.counts.unfit += fits ? 0 : 1;

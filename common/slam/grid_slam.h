@@ -13,7 +13,7 @@
 #include "common/io/trajectory.h"
 #include "common/map/grid_map.h"
 #include "common/model/beam_counts.h"
-#include "common/slam/scan_odometry.h"
+#include "common/slam/scan_odometry_counts.h"
 #include "common/slam/slam_checkpoint.h"
 
 namespace parloc {

@@ -7,6 +7,7 @@
 
 #include "common/math/pose.h"
 #include "common/model/beams.h"
+#include "common/slam/scan_odometry_counts.h"
 #include "common/slam/slam_config.h"
 
 namespace parloc {
@@ -16,14 +17,6 @@ struct KeyScan {
   BeamTable beams;
   Pose pose;  ///< Odometry frame.
   std::size_t lidar = 0;
-};
-
-/// What became of the scans.
-struct ScanOdometryCounts {
-  std::size_t scans = 0;     ///< All.
-  std::size_t unfit = 0;     ///< Of them fitted nowhere near, or had too few beams: the prediction was kept.
-  std::size_t far = 0;       ///< Were looked for, and found, in the wider window.
-  std::size_t new_maps = 0;  ///< Times that nothing fitted for so long that the local map was begun anew.
 };
 
 /// All that the next scan's pose depends on; the local map is `keys`, drawn in their order.
