@@ -17,7 +17,6 @@ ScanMatch match_scan(const MatchScanRules& rules, const TileMap& map, const Beam
     for (int k = 0, n = search.wanted(); k < n; ++k)
       sum[k] = beam_sums.sum(map, beams, match_pose(candidate(k), rules.match), rules.match, ask);
   };
-  const float pull = rules.pull * kScoreUnits * static_cast<float>(matched);
   const StrictFloat strict;
   run_simd([&]() PARLOC_SIMD_LOOP {
     std::int32_t sum[WideSearch::kBatch], bound[WideSearch::kMostBlocks];
@@ -29,14 +28,9 @@ ScanMatch match_scan(const MatchScanRules& rules, const TileMap& map, const Beam
       search.take(sum, bound, rules.search);
     }
     HillClimb climb;
-    climb.begin(search.pose(), rules.climb);
+    climb.begin(search.pose(), rules.climb, matched);
     while (!climb.done()) {
       sums(climb, Ask::score, sum, [&](int k) PARLOC_SIMD_LOOP { return climb.candidate(k); });
-      for (int k = 0, n = climb.wanted(); k < n; ++k) {
-        const SlamPose p = climb.candidate(k);
-        const float dx = p.x - start.x, dy = p.y - start.y;
-        sum[k] -= whole_of(pull * fused(dx, dx, dy * dy));
-      }
       climb.take(sum);
     }
     found.pose = climb.pose();

@@ -9,9 +9,6 @@ struct MatchScanRules {
   MatchRules match;
   SearchRules search;
   ClimbRules climb;
-  /// What the climb must gain per beam for a way of a metre from `start`, and else by its square: holds a
-  /// robot in a corridor, where nothing else says how far along it is.
-  float pull = 0;
 };
 
 struct ScanMatch {

@@ -47,7 +47,7 @@ struct ScanOdometry::Matcher {
       : near{bind_propose_rules(c).match, bind_search_rules(c, kReach_m, kReach_rad, kBias),
              bind_propose_rules(c).climb},
         far{near.match, bind_search_rules(c, kFar_m, kFar_rad, kBias), near.climb},
-        climb{near.match, {}, near.climb, kPull},
+        climb{near.match, {}, {near.climb.step_xy, near.climb.step_theta, near.climb.halvings, kPull}},
         map(bind_draw_rules(c), near.match) {}
 
   Pose predicted(double stamp_s) const;

@@ -10,6 +10,9 @@ namespace parloc {
 struct ClimbRules {
   float step_xy = 0, step_theta = 0;  ///< Of the first moves [m, rad].
   int halvings = 0;                   ///< Of the steps, before it ends.
+  /// What a pose must score more per beam a metre from the start, and else by the square of its distance:
+  /// holds a robot in a corridor, where nothing in the scan says how far along it is [1/m^2].
+  float pull = 0;
 };
 
 class HillClimb {
@@ -17,8 +20,10 @@ class HillClimb {
   static constexpr int kMoves = 6;
   static constexpr int kMostRounds = 64;  ///< Then it ends, wherever it is.
 
-  PARLOC_HD void begin(const SlamPose& start, const ClimbRules& rules) {
-    best_ = start;
+  /// `beams`: that a score is the sum of.
+  PARLOC_HD void begin(const SlamPose& start, const ClimbRules& rules, std::size_t beams) {
+    start_ = best_ = start;
+    pull_ = rules.pull * kScoreUnits * static_cast<float>(beams);
     score_ = 0;
     step_xy_ = rules.step_xy, step_theta_ = rules.step_theta;
     halvings_ = rules.halvings;
@@ -39,8 +44,10 @@ class HillClimb {
     }
     int better = -1;
     std::int32_t most = score_;
-    for (int k = 0, n = wanted(); k < n; ++k)
-      if (score[k] > most) better = move(k), most = score[k];
+    for (int k = 0, n = wanted(); k < n; ++k) {
+      const std::int32_t held = score[k] - held_back(candidate(k));
+      if (held > most) better = move(k), most = held;
+    }
     --rounds_left_;
     if (better >= 0) {
       best_ = after(better);
@@ -53,6 +60,7 @@ class HillClimb {
     step_xy_ *= 0.5f, step_theta_ *= 0.5f;
   }
   PARLOC_HD const SlamPose& pose() const { return best_; }
+  /// Less what holds it back.
   PARLOC_HD std::int32_t score() const { return score_; }
 
  private:
@@ -68,7 +76,14 @@ class HillClimb {
     return p;
   }
 
-  SlamPose best_;
+  PARLOC_HD std::int32_t held_back(const SlamPose& p) const {
+    const float dx = p.x - start_.x, dy = p.y - start_.y;
+    return static_cast<std::int32_t>(min_of(pull_ * fused(dx, dx, dy * dy), kMostHeldBack));
+  }
+
+  static constexpr float kMostHeldBack = 2e9f;  // with any score within 32 bits
+  SlamPose start_, best_;
+  float pull_ = 0;
   std::int32_t score_ = 0;
   float step_xy_ = 0, step_theta_ = 0;
   int halvings_ = 0, rounds_left_ = 0, back_ = kMoves;

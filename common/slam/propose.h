@@ -58,7 +58,7 @@ class Proposer {
     if (stage_ == Stage::likelihood && r.proposal != SlamProposal::motion) {
       stage_ = r.search.any() ? Stage::search : Stage::climb;
       search_.begin(pose_, r.search, r.beams);
-      climb_.begin(pose_, r.climb);
+      climb_.begin(pose_, r.climb, r.beams);
     }
   }
   PARLOC_HD bool done() const { return stage_ == Stage::end; }
@@ -84,7 +84,7 @@ class Proposer {
       search_.take(sum, room.bound, r.search);
       if (!search_.done()) return;
       stage_ = Stage::climb;
-      climb_.begin(search_.pose(), r.climb);
+      climb_.begin(search_.pose(), r.climb, r.beams);
     } else if (stage_ == Stage::climb) {
       climb_.take(sum);
       if (climb_.done()) finish_climb(r);

@@ -95,7 +95,7 @@ class WideSearch {
   PARLOC_HD std::int32_t bias(const Offset& o, const SearchRules& r) const {
     const float cells_sq = static_cast<float>(o.i * o.i + o.j * o.j);
     const float turns_sq = static_cast<float>(o.turn * o.turn);
-    return whole_of(bias_ * (cells_sq * r.inv_cells_sq + turns_sq * r.inv_turns_sq));
+    return static_cast<std::int32_t>(bias_ * (cells_sq * r.inv_cells_sq + turns_sq * r.inv_turns_sq));
   }
   PARLOC_HD std::int32_t least_bias(std::int32_t block, const SearchRules& r) const {
     const Offset low = offset(block, 0, r);

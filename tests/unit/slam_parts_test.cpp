@@ -191,7 +191,7 @@ TEST_F(MatchBeam, AWallSeenFromBehindIsNoMatch) {
 
 TEST(HillClimb, FindsTheTopOfASmoothHill) {
   HillClimb climb;
-  climb.begin({0.3f, -0.2f, 3.1f}, {0.05f, 0.05f, 5});
+  climb.begin({0.3f, -0.2f, 3.1f}, {0.05f, 0.05f, 5}, 100);
   const auto score = [](const SlamPose& p) {
     const float dt = wrap(p.theta - -3.1f);
     return static_cast<std::int32_t>(1e6f - 1e5f * ((p.x - 0.1f) * (p.x - 0.1f) + p.y * p.y + dt * dt));
@@ -208,9 +208,27 @@ TEST(HillClimb, FindsTheTopOfASmoothHill) {
   EXPECT_LT(asked, 6 * HillClimb::kMostRounds);
 }
 
+TEST(HillClimb, IsHeldBackByTheSquareOfTheWay) {
+  constexpr std::size_t kBeams = 1000;
+  HillClimb climb;
+  climb.begin({0, 0, 0}, {0.05f, 0.05f, 7, 2.0f}, kBeams);
+  // Rises by 0.4 per beam and metre along x: against 2 d^2, the top is at 0.1 m.
+  const auto score = [](const SlamPose& p) {
+    return static_cast<std::int32_t>(kScoreUnits * kBeams *
+                                     (0.5f + 0.4f * p.x - p.y * p.y - p.theta * p.theta));
+  };
+  while (!climb.done()) {
+    std::int32_t s[HillClimb::kMoves];
+    for (int k = 0; k < climb.wanted(); ++k) s[k] = score(climb.candidate(k));
+    climb.take(s);
+  }
+  EXPECT_NEAR(climb.pose().x, 0.1f, 0.001f);
+  EXPECT_NEAR(climb.pose().y, 0.0f, 0.001f);
+  EXPECT_NEAR(climb.score(), kScoreUnits * kBeams * 0.52f, kScoreUnits);
+}
 TEST(HillClimb, StaysWhereNothingIsBetter) {
   HillClimb climb;
-  climb.begin({1, 2, 0.5f}, {0.05f, 0.05f, 5});
+  climb.begin({1, 2, 0.5f}, {0.05f, 0.05f, 5}, 100);
   int rounds = 0;
   while (!climb.done()) {
     const std::int32_t flat[HillClimb::kMoves] = {9, 9, 9, 9, 9, 9};

@@ -128,6 +128,22 @@ TEST_F(WideSearchIn, FindsTheWayBackFromHalfAMetreAside) {
   EXPECT_LT(climbed.fit, 0.6);
 }
 
+// As much bias as there can be, for as many beams: nothing runs over, and the start is kept.
+TEST_F(WideSearchIn, ALargeBiasHoldsItAtItsStart) {
+  const SearchRules search = bind_search_rules(config_, 0.5, 0.3, 1.0);
+  WideSearch wide;
+  const SlamPose start{1.0f, 2.0f, 0.5f};
+  wide.begin(start, search, kMostSlamBeams);
+  const std::int32_t all = static_cast<std::int32_t>(kMostSlamBeams) * 65536;
+  std::vector<std::int32_t> bound(WideSearch::kMostBlocks), sum(WideSearch::kBatch, all);
+  for (int rounds = 0; !wide.done() && rounds < WideSearch::kMostRounds; ++rounds)
+    wide.take(sum.data(), bound.data(), search);  // all poses fit alike
+  EXPECT_TRUE(wide.done());
+  EXPECT_EQ(wide.pose().x, start.x);
+  EXPECT_EQ(wide.pose().y, start.y);
+  EXPECT_EQ(wide.pose().theta, start.theta);
+}
+
 TEST_F(WideSearchIn, StaysWhereNothingFits) {
   const cpu::DraftMap nothing(bind_draw_rules(config_), rules_.match);
   const cpu::MatchScanRules wide{rules_.match, bind_search_rules(config_, 0.5, 0.3, 0.05), rules_.climb};
