@@ -90,7 +90,7 @@ void expect_no_trace(const GridSlam& whole, std::size_t scans, std::size_t again
   SCOPED_TRACE("broken off after " + std::to_string(scans) + " scans");
   const test::TempFile file("checkpoint");
   {
-    GridSlam slam(config());
+    GridSlam slam(whole.config());
     run(slam, 0, scans);
     slam.save(file.path(), "the caller's");
   }
@@ -121,6 +121,16 @@ TEST(SlamCheckpoint, ABreakLeavesNoTrace) {
   ASSERT_GT(whole.lidars_used()[1].moving, 5u);
   for (const std::size_t scans : {0, 1, 3, 4, 5, 6, 17, 30, 31, 32, 33, 34, 47, 59, 60})
     expect_no_trace(whole, scans, std::min<std::size_t>(scans + 9, 60), scans % 3 == 0 ? 1 : 3);
+}
+
+TEST(SlamCheckpoint, NorDoesOneOfOdometryFromScans) {
+  FilterConfig c = config();
+  c.slam.odometry = SlamOdometry::scans;
+  GridSlam whole(c);
+  run(whole, 0, drive().size());
+  ASSERT_GT(whole.records().size(), 5u);
+  for (const std::size_t scans : {0, 2, 4, 18, 33, 58})
+    expect_no_trace(whole, scans, std::min<std::size_t>(scans + 9, 60), 2);
 }
 
 TEST(SlamCheckpoint, SavingChangesNothing) {
