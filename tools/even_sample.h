@@ -36,7 +36,19 @@ class EvenSample {
   void finish(Make make) {
     if (!last_kept_) kept_.push_back(make());
   }
+  const std::vector<Item>& kept() const { return kept_; }
   std::vector<Item> take() { return std::move(kept_); }
+
+  /// Goes on as after `offered` steps, of which `kept` was kept; whether it could be so.
+  bool restore(std::vector<Item> kept, std::size_t offered) {
+    const std::size_t last = offered == 0 ? 0 : offered - 1;
+    stride_ = 1;
+    while (last / stride_ >= most_) stride_ *= 2;
+    offered_ = offered;
+    last_kept_ = offered > 0 && last % stride_ == 0;
+    kept_ = std::move(kept);
+    return kept_.size() == (offered == 0 ? 0 : last / stride_ + 1);
+  }
 
  private:
   std::size_t most_;

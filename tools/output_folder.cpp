@@ -1,7 +1,10 @@
 #include "tools/output_folder.h"
 
+#include <fcntl.h>
 #include <fmt/format.h>
 #include <stdlib.h>
+#include <sys/file.h>
+#include <unistd.h>
 
 #include <algorithm>
 #include <cerrno>
@@ -33,6 +36,30 @@ std::vector<std::string> missing_folders(const fs::path& path) {
   return missing;
 }
 
+constexpr const char* kStaging = ".parloc-";
+
+/// A folder that is locked as long as its run lives; -1 if another run has the lock.
+int lock_folder(const std::string& folder) {
+  const int file = open(folder.c_str(), O_RDONLY | O_DIRECTORY | O_NOFOLLOW | O_CLOEXEC);
+  if (file >= 0 && flock(file, LOCK_EX | LOCK_NB) == 0) return file;
+  if (file >= 0) close(file);
+  return -1;
+}
+
+/// The staging folders of runs that were killed.
+void remove_left_over(const std::string& folder) {
+  std::error_code ignored;
+  std::vector<fs::path> found;
+  for (const fs::directory_entry& entry : fs::directory_iterator(folder, ignored))
+    if (entry.path().filename().string().starts_with(kStaging)) found.push_back(entry.path());
+  for (const fs::path& path : found) {
+    const int lock = lock_folder(path.string());
+    if (lock < 0) continue;
+    fs::remove_all(path, ignored);
+    close(lock);
+  }
+}
+
 }  // namespace
 
 OutputFolder::OutputFolder(const std::string& folder, std::vector<std::string> files)
@@ -46,13 +73,16 @@ OutputFolder::OutputFolder(const std::string& folder, std::vector<std::string> f
     if (fs::is_directory(final_path(file), error))
       fail(final_path(file), "a folder of that name is in the way");
   }
-  staging_ = folder_ + "/.parloc-XXXXXX";
+  remove_left_over(folder_);
+  staging_ = folder_ + "/" + kStaging + "XXXXXX";
   if (mkdtemp(staging_.data()) == nullptr) fail(folder_, std::strerror(errno));
+  lock_ = lock_folder(staging_);
 }
 
 OutputFolder::~OutputFolder() {
   std::error_code ignored;
   fs::remove_all(staging_, ignored);
+  if (lock_ >= 0) close(lock_);
   for (auto folder = created_.rbegin(); folder != created_.rend(); ++folder) {
     if (!fs::is_empty(*folder, ignored) || ignored) break;
     fs::remove(*folder, ignored);

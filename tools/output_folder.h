@@ -8,7 +8,7 @@ namespace parloc::tools {
 
 /// Makes sure before the work that results can be written after it, and that a failed run leaves an earlier
 /// one's results as they were: files are written into a hidden folder inside, and moved to their places all
-/// at the end.
+/// at the end. Such a folder of a run that was killed is removed by the next one.
 class OutputFolder {
  public:
   /// Creates `folder` (and those above it) if need be. Throws Error{output} if that fails, if nothing can be
@@ -31,6 +31,7 @@ class OutputFolder {
  private:
   std::string folder_;
   std::string staging_;
+  int lock_ = -1;  ///< Of the staging folder, while this run lives.
   std::vector<std::string> files_;
   std::vector<std::string> created_;  ///< Outermost first.
 };

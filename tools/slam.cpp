@@ -145,8 +145,8 @@ int run(const SlamOptions& o, const std::string& typed) {
   request.resume = checkpoint ? &*checkpoint : nullptr;
   request.checkpoint_every_s = o.every.empty() ? 60.0 : parse_number("--checkpoint-every", o.every, 0.0, 1e6);
   request.log_name = o.log;
-  const bool chosen = !checkpoint && slam::choose_odometry(o.log, request.config);
-  if (chosen) fmt::print(stderr, "parloc: {}: {}\n", o.log, slam::kOdometryFromScans);
+  request.odometry_chosen = !checkpoint && slam::choose_odometry(o.log, request.config);
+  if (request.odometry_chosen) fmt::print(stderr, "parloc: {}: {}\n", o.log, slam::kOdometryFromScans);
   const std::unique_ptr<LogReader> log = open_carmen_log(o.log);
   const std::vector<Relation> relations =
       o.relations.empty() ? std::vector<Relation>{} : read_relations(o.relations);
@@ -157,7 +157,7 @@ int run(const SlamOptions& o, const std::string& typed) {
   std::optional<LivePicture> live;  // to the end of the writing: its page then leads to the report
   if (o.live) watch(request, live, out);
 
-  slam::SlamResults results{o.log, o.relations, o.truth, typed, {}, {}, {}, chosen, {}};
+  slam::SlamResults results{o.log, o.relations, o.truth, typed, {}, {}, {}, {}};
   catch_interrupts();
   {
     Progress progress(Progress::style_here(o.quiet));

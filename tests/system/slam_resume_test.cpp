@@ -37,6 +37,12 @@ class SlamResume : public ProgramSuite {
   static Args fresh(const std::string& out, const Args& more = {}) {
     return with(args(out, {"--config", path("slow.yaml"), "--threads", "1"}), more);
   }
+  static std::size_t hidden_in(const std::string& out) {
+    std::size_t hidden = 0;
+    for (const fs::directory_entry& e : fs::directory_iterator(path(out)))
+      hidden += e.path().filename().string().front() == '.' ? 1 : 0;
+    return hidden;
+  }
   static void wait_for_checkpoint(const std::string& out) {
     for (int k = 0; k < 6000 && !fs::exists(path(out + "/checkpoint")); ++k)
       std::this_thread::sleep_for(std::chrono::milliseconds(10));
@@ -49,6 +55,16 @@ class SlamResume : public ProgramSuite {
     }
     EXPECT_EQ(json_of(a + "/metrics.json").at("digest"), json_of(b + "/metrics.json").at("digest"));
     EXPECT_FALSE(fs::exists(path(b + "/checkpoint")));
+    EXPECT_EQ(moments_of(a), moments_of(b));
+  }
+  /// When the pictures of the growing map in the report are from.
+  static std::vector<std::string> moments_of(const std::string& out) {
+    const std::string page = read_file(path(out + "/report.html")), key = "time in the log";
+    std::vector<std::string> moments;
+    for (std::size_t at = 0; (at = page.find(key, at)) != std::string::npos; at += key.size())
+      moments.push_back(page.substr(at, 60));
+    EXPECT_GT(moments.size(), 10u);
+    return moments;
   }
 };
 
@@ -83,10 +99,12 @@ TEST_F(SlamResume, EndsAsIfThereHadBeenNoBreak) {
   wait_for_checkpoint("killed");
   kill(child, SIGKILL);
   EXPECT_EQ(runner->finish(child).code, -1);
+  EXPECT_EQ(hidden_in("killed"), 1u);
   const Outcome last = call({"slam", "--log", path("drive.log"), "--resume", path("killed"), "--quiet"});
   ASSERT_EQ(last.code, 0) << last.err;
   EXPECT_GT(json_of("killed/metrics.json").at("resumed_at"), rows);
   expect_same_results("whole", "killed");
+  EXPECT_EQ(hidden_in("killed"), 0u) << "what the killed run left behind";
 }
 
 TEST_F(SlamResume, WhatDoesNotFitIsOneLine) {

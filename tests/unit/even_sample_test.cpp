@@ -37,5 +37,19 @@ TEST(EvenSample, MakesOnlyWhatItKeeps) {
   EXPECT_LT(made, 100);  // 13 at first, then 6 for every doubling of the stride
 }
 
+TEST(EvenSample, GoesOnAsIfThereHadBeenNoBreak) {
+  for (int steps = 1; steps < 200; ++steps)
+    for (const int before : {0, 1, 12, 13, 40, 97}) {
+      if (before > steps) continue;
+      EvenSample<int> first(12), second(12);
+      for (int k = 0; k < before; ++k) first.offer([&] { return k; });
+      ASSERT_TRUE(second.restore(first.take(), static_cast<std::size_t>(before)));
+      for (int k = before; k < steps; ++k) second.offer([&] { return k; });
+      second.finish([&] { return steps - 1; });
+      EXPECT_EQ(second.take(), kept_of(steps)) << before << " of " << steps;
+    }
+  EXPECT_FALSE(EvenSample<int>(12).restore({0, 1}, 30));
+}
+
 }  // namespace
 }  // namespace parloc::tools

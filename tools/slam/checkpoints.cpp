@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <utility>
 
 #include "common/error.h"
 
@@ -36,6 +37,11 @@ void Checkpoints::check(const GridSlam& slam) const {
                                   from_.step_s.size()));
 }
 
+void Checkpoints::restore(tools::EvenSample<Growth>& growth) {
+  if (!growth.restore(std::move(from_.growth), from_.step_s.size()))
+    throw input_error(name_, 0, "damaged: expected as many moments of the map as there were scans for");
+}
+
 bool Checkpoints::has_next(std::size_t scans) const {
   if (scans == from_.scans && scans > 0 && log_.digest() != from_.digest) throw another_log(request_, from_);
   return scans < from_.scans;
@@ -45,14 +51,16 @@ void Checkpoints::expect_passed(std::size_t scans) const {
   if (scans <= from_.scans) throw another_log(request_, from_);
 }
 
-void Checkpoints::write_when_due(const GridSlam& slam, const Mapping& m) {
-  if (request_.checkpoint_every_s > 0.0 && seconds(Clock::now() - written_) >= pause_s_) write(slam, m);
+void Checkpoints::write_when_due(const GridSlam& slam, const Mapping& m, const std::vector<Growth>& growth) {
+  if (request_.checkpoint_every_s > 0.0 && seconds(Clock::now() - written_) >= pause_s_)
+    write(slam, m, growth);
 }
 
-void Checkpoints::write(const GridSlam& slam, const Mapping& m) {
+void Checkpoints::write(const GridSlam& slam, const Mapping& m, const std::vector<Growth>& growth) {
   if (request_.checkpoint.empty()) return;
   const Clock::time_point begun = Clock::now();
-  slam.save(request_.checkpoint, to_bytes({request_.log_name, m.scans, log_.digest(), m.step_s, wall_s()}));
+  slam.save(request_.checkpoint, to_bytes({request_.log_name, m.scans, log_.digest(), m.step_s, wall_s(),
+                                           m.odometry_chosen, growth}));
   constexpr double kMostShare = 0.05;  // of the time, however large the state has become
   written_ = Clock::now();
   pause_s_ = std::max(request_.checkpoint_every_s, seconds(written_ - begun) / kMostShare);

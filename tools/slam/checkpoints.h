@@ -4,7 +4,9 @@
 #include <chrono>
 #include <cstddef>
 #include <string>
+#include <vector>
 
+#include "tools/even_sample.h"
 #include "tools/slam/digested_log.h"
 #include "tools/slam/map_log.h"
 #include "tools/slam/map_position.h"
@@ -20,14 +22,16 @@ class Checkpoints {
   void check(const GridSlam& slam) const;
   /// Where the checkpoint stands; all zero without one.
   const MapPosition& from() const { return from_; }
+  /// What had been kept to be shown. Throws Error{input}.
+  void restore(tools::EvenSample<Growth>& growth);
   /// Whether the checkpoint has the next scan, after so many, in it: then only the log is to be read again.
   /// Throws Error{input} once the log is seen to be another.
   bool has_next(std::size_t scans) const;
   /// The log is at its end. Throws likewise.
   void expect_passed(std::size_t scans) const;
 
-  void write_when_due(const GridSlam& slam, const Mapping& m);
-  void write(const GridSlam& slam, const Mapping& m);
+  void write_when_due(const GridSlam& slam, const Mapping& m, const std::vector<Growth>& growth);
+  void write(const GridSlam& slam, const Mapping& m, const std::vector<Growth>& growth);
   /// That has gone by, in all parts together.
   double wall_s() const;
 

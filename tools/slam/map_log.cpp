@@ -44,16 +44,18 @@ Mapping map_log(LogReader& source, const MapRequest& request) {
   GridSlam slam = request.resume != nullptr ? GridSlam(std::move(*request.resume)) : GridSlam(request.config);
   checkpoints.check(slam);
   Mapping m;
-  tools::EvenSample<Growth> growth(22);
   m.step_s = checkpoints.from().step_s;
   m.resumed_at = checkpoints.from().scans;
+  m.odometry_chosen = checkpoints.from().odometry_chosen || request.odometry_chosen;
+  tools::EvenSample<Growth> growth(22);
+  checkpoints.restore(growth);
   double earliest_s = record.stamp_s, latest_s = record.stamp_s;
   const Pose T_odometry_map = record.odometry;
   bool more = true;
   while (more) {
     const bool again = checkpoints.has_next(m.scans);
     if (!again && request.stop && request.stop()) break;
-    if (!again) checkpoints.write_when_due(slam, m);
+    if (!again) checkpoints.write_when_due(slam, m, growth.kept());
     scans.pass_odometry([&](const StampedPose& reading) {
       if (!again) slam.add_odometry(reading.stamp_s, reading.pose);
     });
@@ -74,7 +76,7 @@ Mapping map_log(LogReader& source, const MapRequest& request) {
   m.warnings = log.warnings();
   m.log_s = latest_s - earliest_s;
   if (m.scans == 0) return m;
-  if (m.interrupted) checkpoints.write(slam, m);
+  if (m.interrupted) checkpoints.write(slam, m, growth.kept());
   if (m.interrupted && slam.records().empty()) return m;
   if (slam.records().empty())
     throw input_error(

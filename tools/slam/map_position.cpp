@@ -3,6 +3,7 @@
 #include <sstream>
 
 #include "common/io/bytes.h"
+#include "tools/slam/saved_growth.h"
 
 namespace parloc::slam {
 
@@ -15,6 +16,8 @@ std::string to_bytes(const MapPosition& position) {
   w.put_text(position.digest);
   w.put(position.step_s);
   w.put(position.wall_s);
+  w.put_bool(position.odometry_chosen);
+  w.put_each(position.growth, put_growth);
   w.flush();
   return bytes;
 }
@@ -28,6 +31,8 @@ MapPosition map_position_from(const std::string& bytes, const std::string& name)
   position.digest = r.get_text();
   position.step_s = r.get_vector<double>();
   position.wall_s = r.get<double>();
+  position.odometry_chosen = r.get_bool();
+  position.growth = r.get_each(100, get_growth);
   return position;
 }
 

@@ -48,7 +48,7 @@ std::string odometry_text(const ScanOdometryCounts& c) {
 Json odometry_json(const SlamResults& results) {
   const auto& c = results.mapping.scan_odometry;
   if (!c) return {{"from", "recorded"}};
-  return {{"from", "scans"},   {"recorded_never_moves", results.odometry_chosen},
+  return {{"from", "scans"},   {"recorded_never_moves", results.mapping.odometry_chosen},
           {"scans", c->scans}, {"unfit", c->unfit},
           {"far", c->far},     {"new_maps", c->new_maps}};
 }
@@ -78,7 +78,7 @@ std::vector<Fact> main_facts(const SlamResults& results) {
 std::vector<std::string> warning_lines(const SlamResults& results) {
   const Mapping& m = results.mapping;
   std::vector<std::string> lines;
-  if (results.odometry_chosen) lines.push_back(kOdometryFromScans);
+  if (results.mapping.odometry_chosen) lines.push_back(kOdometryFromScans);
   if (m.scan_odometry && m.scan_odometry->new_maps > 0)
     lines.push_back(fmt::format("the odometry from the scans was lost {} times: the map may be torn there",
                                 m.scan_odometry->new_maps));

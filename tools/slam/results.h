@@ -15,7 +15,6 @@ struct SlamResults {
   Mapping mapping;
   std::optional<RelationErrors> relations;
   std::optional<TrackErrors> errors;  ///< After alignment with the truth; nothing without one.
-  bool odometry_chosen = false;       ///< From the scans, since the recorded one never moves.
   Trajectory truth;                   ///< In the map's frame, as far as it could be laid on the way.
 };
 

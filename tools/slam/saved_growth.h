@@ -1,0 +1,13 @@
+// How what there is to show of a growing map is written into a checkpoint and read from it.
+#pragma once
+
+#include "common/io/bytes.h"
+#include "tools/slam/growth.h"
+
+namespace parloc::slam {
+
+void put_growth(ByteWriter& w, const Growth& growth);
+/// Throws Error{input}.
+Growth get_growth(ByteReader& r);
+
+}  // namespace parloc::slam
