@@ -129,7 +129,7 @@ TEST(SlamCheckpoint, NorDoesOneOfOdometryFromScans) {
   GridSlam whole(c);
   run(whole, 0, drive().size());
   ASSERT_GT(whole.records().size(), 5u);
-  for (const std::size_t scans : {0, 2, 4, 18, 33, 58})
+  for (const std::size_t scans : {2, 18, 58})
     expect_no_trace(whole, scans, std::min<std::size_t>(scans + 9, 60), 2);
 }
 
@@ -195,7 +195,7 @@ TEST_F(SlamCheckpointFile, NoCountIsBelieved) {
   ASSERT_EQ(sealed(content), bytes_);
   const std::size_t state = 8 + config_to_yaml(config()).size() + 8;  // behind settings and the caller's own
   std::uint32_t random = 1;
-  for (int k = 0; k < 300; ++k) {
+  for (int k = 0; k < 120; ++k) {
     std::string changed = content;
     random = random * 1664525u + 1013904223u;
     // Where the counts are: at the beginning, and behind the tiles.
