@@ -131,6 +131,8 @@ class SlamBackends : public testing::TestWithParam<Way> {
     c.threads = threads;
     return c;
   }
+  /// A wide search takes its time.
+  static std::int64_t few() { return GetParam().search ? 5 : 21; }
   Trace cpu(std::int64_t particles, int threads) const {
     return run(*make_cpu_slam_backend(config(particles, threads)), config(particles, threads));
   }
@@ -224,6 +226,7 @@ HandedOver there_and_back(SlamBackend& backend, const SlamConfig& slam, const Gr
 TEST_P(SlamBackends, FarPlacesAreHandedOverAndGivenBackOnBoth) {
   SlamBackendConfig c = config(12, 2);
   c.slam.usable_range = 1.5;
+  if (GetParam().search) c.slam.search_xy = 0.1, c.slam.search_theta = 0.03;  // a wide one takes its time
   c.slam.resolution = 0.025;
   c.slam.resample_threshold = 0.3;  // seldom: then particles share little
   c.slam.beta_weight = 0.05;
@@ -254,8 +257,9 @@ TEST_P(SlamBackends, StartsAnew) {
 
 // From a checkpoint of one backend the other goes on.
 TEST_P(SlamBackends, TakeOverFromEachOther) {
-  const SlamBackendConfig c = config(21, 2);
-  const Trace whole = cpu(21, 2);
+  const std::int64_t particles = few();
+  const SlamBackendConfig c = config(particles, 2);
+  const Trace whole = cpu(particles, 2);
   for (const std::uint32_t change : {0u, 1u, 5u, 8u, kSteps - 1}) {
     SCOPED_TRACE(change);
     const auto one = make_cpu_slam_backend(c), other = make_cpu_slam_backend(c);
@@ -271,8 +275,8 @@ TEST_P(SlamBackends, TakeOverFromEachOther) {
 
 // Into a backend that has done something else before, whose tiles are then free.
 TEST_P(SlamBackends, WhatIsTakenOverReplacesWhatWas) {
-  const SlamBackendConfig c = config(21, 2);
-  const Trace whole = cpu(21, 2);
+  const SlamBackendConfig c = config(few(), 2);
+  const Trace whole = cpu(few(), 2);
   const auto one = make_cpu_slam_backend(c), other = make_cpu_slam_backend(c);
   const auto kernels = cuda_on_host::make_slam_backend_on_host(c);
   for (SlamBackend* used : {other.get(), kernels.get()}) {

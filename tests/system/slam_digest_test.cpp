@@ -120,7 +120,8 @@ INSTANTIATE_TEST_SUITE_P(
                            "f25df7e0aaa6b201e33987cfa1d3cff7c3380e5358aef23615ff12601eb3918c"},
                     Golden{"gaussian", SlamProposal::gaussian, false,
                            "9555a2de35b15893296dc2133e24a1f8dc975c903122a1c8c8b6f39829a818d0"},
-                    Golden{"scan_match_search", SlamProposal::scan_match, true, "171f8da8c33dc39252967ec916979af6333afe32904efcce8c9fe7627aa9b4e7"}),
+                    Golden{"scan_match_search", SlamProposal::scan_match, true,
+                           "171f8da8c33dc39252967ec916979af6333afe32904efcce8c9fe7627aa9b4e7"}),
     [](const auto& one) { return std::string(one.param.name); });
 
 }  // namespace
