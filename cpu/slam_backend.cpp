@@ -70,9 +70,7 @@ class CpuSlamBackend final : public SlamBackend {
   }
 
   SlamCells map_of(std::size_t particle) const override {
-    const TilePool pool = store_.pool();
-    return gather_cells(span_, table_.data() + particle * span_.size(),
-                        [&](std::uint32_t id, Tile& tile) { tile = pool.at(id); });
+    return gather_cells(span_, table_.data() + particle * span_.size(), *this);
   }
 
   SlamSnapshot save() const override {

@@ -90,9 +90,11 @@ class CudaSlamBackend final : public SlamBackend {
 
   SlamCells map_of(std::size_t particle) const override {
     select_device(device_);
-    const std::vector<std::uint32_t> table = table_.to_host(count_ * span_.size(), stream_);
-    return gather_cells(span_, table.data() + particle * span_.size(),
-                        [&](std::uint32_t id, Tile& tile) { store_->read(id, tile, stream_); });
+    std::vector<std::uint32_t> table(span_.size());
+    copy_up(table.data(), table_.data() + particle * span_.size(), table.size() * sizeof(std::uint32_t),
+            stream_);
+    synchronise(stream_);
+    return gather_cells(span_, table.data(), *this);
   }
 
   SlamSnapshot save() const override {

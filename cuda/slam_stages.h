@@ -20,7 +20,6 @@ class TileStore {
   TilePool pool() const { return {chunk_.data()}; }
   std::uint32_t* refs() const { return refs_.data(); }  ///< Tables that name a tile; 0: free.
   std::size_t capacity() const { return memory_.size() * kChunkTiles; }
-  void read(std::uint32_t id, Tile& tile, Stream stream) const;
   void read(const std::vector<std::uint32_t>& ids, Tile* to, Stream stream) const;
   void write(const std::vector<std::uint32_t>& ids, const Tile* from, Stream stream);
   /// Room for so many tiles. Throws before anything has changed.

@@ -11,10 +11,6 @@ TileStore::TileStore(Stream stream) {
   synchronise(stream);
 }
 
-void TileStore::read(std::uint32_t id, Tile& tile, Stream stream) const {
-  read({id}, &tile, stream);
-}
-
 void TileStore::read(const std::vector<std::uint32_t>& ids, Tile* to, Stream stream) const {
   for (const std::uint32_t id : ids)
     copy_up(to++, memory_[id >> kChunkShift]->data() + (id & (kChunkTiles - 1)), sizeof(Tile), stream);

@@ -147,24 +147,29 @@ TileSpan named_part(const TileSpan& span, const std::uint32_t* table) {
 
 }  // namespace
 
-SlamCells gather_cells(const TileSpan& span, const std::uint32_t* table,
-                       const std::function<void(std::uint32_t, Tile&)>& read) {
+SlamCells gather_cells(const TileSpan& span, const std::uint32_t* table, const SlamBackend& backend) {
   const TileSpan part = named_part(span, table);
   SlamCells out;
   out.span = span;
   out.first_i = part.first_i * kTileCells, out.first_j = part.first_j * kTileCells;
   out.width = part.width * kTileCells, out.height = part.height * kTileCells;
   out.cell.assign(static_cast<std::size_t>(out.width) * static_cast<std::size_t>(out.height), 0);
-  Tile tile;
+  const auto width = static_cast<std::size_t>(part.width);
+  std::vector<std::uint32_t> ids;
+  std::vector<std::size_t> places;
   for (std::size_t k = 0; k < part.size(); ++k) {
-    const std::size_t width = static_cast<std::size_t>(part.width), i = k % width, j = k / width;
-    const std::uint32_t id = table[span.place(out.first_i + static_cast<std::int32_t>(i) * kTileCells,
-                                              out.first_j + static_cast<std::int32_t>(j) * kTileCells)];
-    if (id == kNoTile) continue;
-    read(id, tile);
+    const std::uint32_t id =
+        table[span.place(out.first_i + static_cast<std::int32_t>(k % width) * kTileCells,
+                         out.first_j + static_cast<std::int32_t>(k / width) * kTileCells)];
+    if (id != kNoTile) ids.push_back(id), places.push_back(k);
+  }
+  std::vector<Tile> tiles(ids.size());
+  backend.read_tiles(ids, tiles.data());
+  for (std::size_t k = 0; k < tiles.size(); ++k) {
+    const std::size_t i = places[k] % width, j = places[k] / width;
     const std::size_t first = j * kTileCells * width * kTileCells + i * kTileCells;
     for (std::size_t row = 0; row < kTileCells; ++row)
-      std::copy_n(tile.cell + row * kTileCells, kTileCells,
+      std::copy_n(tiles[k].cell + row * kTileCells, kTileCells,
                   out.cell.data() + first + row * width * kTileCells);
   }
   return out;
