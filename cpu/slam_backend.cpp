@@ -70,7 +70,8 @@ class CpuSlamBackend final : public SlamBackend {
   }
 
   SlamCells map_of(std::size_t particle) const override {
-    return gather_cells(span_, table_.data() + particle * span_.size(), *this);
+    return gather_cells(span_, table_.data() + particle * span_.size(),
+                        [&](const std::vector<std::uint32_t>& ids, Tile* to) { read_tiles(ids, to); });
   }
 
   SlamSnapshot save() const override {

@@ -94,7 +94,8 @@ class CudaSlamBackend final : public SlamBackend {
     copy_up(table.data(), table_.data() + particle * span_.size(), table.size() * sizeof(std::uint32_t),
             stream_);
     synchronise(stream_);
-    return gather_cells(span_, table.data(), *this);
+    return gather_cells(span_, table.data(),
+                        [&](const std::vector<std::uint32_t>& ids, Tile* to) { read_tiles(ids, to); });
   }
 
   SlamSnapshot save() const override {

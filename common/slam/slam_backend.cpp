@@ -147,7 +147,8 @@ TileSpan named_part(const TileSpan& span, const std::uint32_t* table) {
 
 }  // namespace
 
-SlamCells gather_cells(const TileSpan& span, const std::uint32_t* table, const SlamBackend& backend) {
+SlamCells gather_cells(const TileSpan& span, const std::uint32_t* table,
+                       const std::function<void(const std::vector<std::uint32_t>& ids, Tile* to)>& read) {
   const TileSpan part = named_part(span, table);
   SlamCells out;
   out.span = span;
@@ -164,7 +165,7 @@ SlamCells gather_cells(const TileSpan& span, const std::uint32_t* table, const S
     if (id != kNoTile) ids.push_back(id), places.push_back(k);
   }
   std::vector<Tile> tiles(ids.size());
-  backend.read_tiles(ids, tiles.data());
+  read(ids, tiles.data());
   for (std::size_t k = 0; k < tiles.size(); ++k) {
     const std::size_t i = places[k] % width, j = places[k] / width;
     const std::size_t first = j * kTileCells * width * kTileCells + i * kTileCells;

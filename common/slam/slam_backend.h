@@ -1,6 +1,7 @@
 // A backend of grid SLAM owns particles, tables and tiles in its memory and runs the stages on them.
 #pragma once
 
+#include <functional>
 #include <memory>
 #include <string>
 #include <vector>
@@ -95,8 +96,9 @@ std::vector<std::uint32_t> tiles_named(const std::vector<std::uint32_t>& table);
 std::vector<std::uint32_t> count_references(const std::vector<std::uint32_t>& table, std::size_t tiles);
 /// The first `count` tiles without a reference.
 std::vector<std::uint32_t> first_free(const std::uint32_t* references, std::size_t count);
-/// The cells of the backend's tiles that a table names.
-SlamCells gather_cells(const TileSpan& span, const std::uint32_t* table, const SlamBackend& backend);
+/// The cells that a table names; read(ids, to) fetches tiles.
+SlamCells gather_cells(const TileSpan& span, const std::uint32_t* table,
+                       const std::function<void(const std::vector<std::uint32_t>& ids, Tile* to)>& read);
 
 /// Defined in cpu/slam_backend.cpp and cuda/slam_backend.cu. Throw as make_cpu_backend and make_cuda_backend.
 std::unique_ptr<SlamBackend> make_cpu_slam_backend(const SlamBackendConfig& config);
