@@ -47,6 +47,7 @@ struct Mapping {
   LogWarnings warnings;
   ScanTimes times;
   std::optional<ScanOdometryCounts> scan_odometry;  ///< Nothing with recorded odometry.
+  std::optional<LoopCounts> loops;                  ///< Nothing without slam.close_loops.
   FilterConfig config;
   std::string backend, digest;
   double wall_s = 0.0, log_s = 0.0;
