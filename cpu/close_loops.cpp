@@ -35,10 +35,12 @@ constexpr double kAgree_m = 0.1, kAgree_rad = 0.03;
 constexpr std::size_t kAgreeAcross = 4;    // pieces
 constexpr std::size_t kOthersToAgree = 2;  // of other pieces each, before any of the matches counts
 
+constexpr double kConfirmed = 3.0;  // times that close to where all loops put it: as good as agreed
+
 // When the loops are closed, single scans are matched to earlier and later pieces.
 constexpr int kRefinements = 2;
 constexpr double kNear_m = 3.0;
-constexpr std::size_t kPiecesByScan = 3, kAcrossClosed = 2;
+constexpr std::size_t kPiecesByScan = 3, kAcrossClosed = 4;
 constexpr std::size_t kLeastHits = 60;
 constexpr float kLeastFit = 0.55f;
 constexpr double kScan_m = 0.03, kScan_rad = 0.006;
@@ -48,6 +50,11 @@ double between_m(const Pose& a, const Pose& b) {
 }
 std::size_t apart(std::size_t a, std::size_t b) {
   return a > b ? a - b : b - a;
+}
+
+bool close_to(const Pose& a, const Pose& b, double factor) {
+  return between_m(a, b) < factor * kAgree_m &&
+         std::fabs(wrap64(a.theta_rad - b.theta_rad)) < factor * kAgree_rad;
 }
 
 /// A piece that may show what another shows.
@@ -81,6 +88,7 @@ class PieceGraph {
         matcher_(config, scans, chain, piece_),
         threads_(threads) {
     for (std::size_t b = 0; b < piece_.size(); ++b) add(b);
+    while (take_confirmed()) relax(pose_, edge_);
   }
 
   const std::vector<Piece>& pieces() const { return piece_; }
@@ -109,6 +117,7 @@ class PieceGraph {
   std::vector<Neighbour> candidates(std::size_t b) const;
   bool agree(const PoseEdge& p, const PoseEdge& q) const;
   bool take_agreeing(std::size_t first_new);
+  bool take_confirmed();
   void take(Match& match);
 
   const ScanChain& chain_;
@@ -186,8 +195,7 @@ bool PieceGraph::agree(const PoseEdge& p, const PoseEdge& q) const {
       apart(p.from, q.from) <= kAgreeAcross ? step(p.from, q.from) : relative(pose_[q.from], pose_[p.from]);
   const Pose by_q = compose(compose(q_from, q.step), step(q.to, p.to));
   const double factor = 1.0 + 0.5 * static_cast<double>(apart(p.to, q.to));
-  return between_m(by_q, p.step) < factor * kAgree_m &&
-         std::fabs(wrap64(by_q.theta_rad - p.step.theta_rad)) < factor * kAgree_rad;
+  return close_to(by_q, p.step, factor);
 }
 
 void PieceGraph::take(Match& match) {
@@ -214,6 +222,16 @@ bool PieceGraph::take_agreeing(std::size_t first_new) {
     }
     if (others.size() < kOthersToAgree) continue;
     for (const std::size_t l : group) take(match_[l]);
+  }
+  return counts_.used > before;
+}
+
+/// Of the matches left over, those that put pieces where all loops together do.
+bool PieceGraph::take_confirmed() {
+  const std::size_t before = counts_.used;
+  for (Match& match : match_) {
+    const Pose seen = relative(pose_[match.edge.to], pose_[match.edge.from]);
+    if (before > 0 && close_to(seen, match.edge.step, kConfirmed)) take(match);
   }
   return counts_.used > before;
 }
