@@ -13,11 +13,12 @@ namespace {
 
 // The local map is begun anew from the last `kKept` scans when it has `kMost`, as in ScanOdometry.
 constexpr std::size_t kMost = 60, kKept = 30;
-constexpr float kGoodFit = 0.6f;    // of the climb from where the particle says: nothing else is tried
-constexpr float kLeastFit = 0.35f;  // below it the scan does not fit, and the particle's step is kept
+constexpr float kGoodFit = 0.6f;  // of the climbs from where particle and odometry say: no search is needed
+constexpr double kStartsApart_m = 0.05;  // a cell: climbs from there may end elsewhere
+constexpr float kLeastFit = 0.35f;       // below it the scan does not fit, and the particle's step is kept
 constexpr double kReach_m = 0.4, kReach_rad = 0.3, kBias = 0.05;  // of the search where no climb fits well
 constexpr double kMostCells = 20.0;                               // of its reach
-constexpr float kSearchGain = 0.05f;                              // by which it must fit better
+constexpr float kSearchGain = 0.15f;  // by which it must fit better: in a window, poses fit by chance
 
 // Of a piece: some scans, over which a chain is sure to some centimetres.
 constexpr double kPiece_m = 2.0;
@@ -27,6 +28,10 @@ constexpr std::size_t kMostInPiece = 40;  // where the robot turns on the spot
 // in cells of some centimetres. Steps that fitted badly are surer of nothing.
 constexpr double kStep_m = 0.02, kStep_rad = 0.005, kBadly = 3.0;
 constexpr float kBadFit = 0.5f;
+
+double between_m(const Pose& a, const Pose& b) {
+  return std::sqrt((b.x_m - a.x_m) * (b.x_m - a.x_m) + (b.y_m - a.y_m) * (b.y_m - a.y_m));
+}
 
 class Matcher {
  public:
@@ -41,9 +46,10 @@ class Matcher {
   ScanMatch match(std::size_t k, const Pose& by_particle, const Pose& by_odometry) const {
     const Beams beams = bind_beams(scans_[k]);
     ScanMatch found = match_scan(climb_, map_.view(), beams, slam_pose(by_particle));
-    if (found.fit >= kGoodFit) return found;
-    const ScanMatch other = match_scan(climb_, map_.view(), beams, slam_pose(by_odometry));
-    if (other.fit > found.fit) found = other;
+    if (found.fit < kGoodFit || between_m(by_particle, by_odometry) > kStartsApart_m) {
+      const ScanMatch other = match_scan(climb_, map_.view(), beams, slam_pose(by_odometry));
+      if (other.fit > found.fit) found = other;
+    }
     if (found.fit >= kGoodFit) return found;
     const ScanMatch searched = match_scan(search_, map_.view(), beams, slam_pose(by_particle));
     return searched.fit > found.fit + kSearchGain ? searched : found;
@@ -61,10 +67,6 @@ class Matcher {
   DraftMap map_;
   std::size_t first_ = 0;
 };
-
-double between_m(const Pose& a, const Pose& b) {
-  return std::sqrt((b.x_m - a.x_m) * (b.x_m - a.x_m) + (b.y_m - a.y_m) * (b.y_m - a.y_m));
-}
 
 }  // namespace
 

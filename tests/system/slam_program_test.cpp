@@ -213,5 +213,27 @@ TEST_F(SlamProgram, ErrorsAreOneLineAndLeaveNothing) {
   EXPECT_FALSE(std::filesystem::exists(path("e1")));
 }
 
+// A round and a half: the second time the robot sees what it saw, and the odometry is exact.
+TEST_F(SlamProgram, LoopsAreClosedWhenAsked) {
+  write_file(path("rounds.log"), drive(200));
+  write_file(path("close.yaml"), "slam:\n  particles: 1\n  close_loops: true\n");
+  const auto mapped = [](const std::string& out, const Args& more) {
+    const Outcome result =
+        call(with({"slam", "--log", path("rounds.log"), "--backend", "cpu", "--out", path(out)}, more));
+    EXPECT_EQ(result.code, 0) << result.err;
+    return result;
+  };
+  const Outcome closed = mapped("closed", {"--config", path("close.yaml")});
+  const auto loops = json_of("closed/metrics.json").at("loops");
+  EXPECT_GT(loops.at("used").get<int>(), 0);
+  EXPECT_EQ(loops.at("found").get<int>(), loops.at("used").get<int>() + loops.at("refused").get<int>());
+  EXPECT_LT(loops.at("most_moved_m").get<double>(), 0.1);
+  EXPECT_NE((closed.out + closed.err).find("the way was moved by up to 0.0"), std::string::npos);
+  EXPECT_TRUE(json_of("closed/metrics.json").at("config").at("slam").at("close_loops").get<bool>());
+  const Outcome open = mapped("open", {});
+  EXPECT_TRUE(json_of("open/metrics.json").at("loops").is_null());
+  EXPECT_EQ((open.out + open.err).find("loops"), std::string::npos);
+}
+
 }  // namespace
 }  // namespace parloc::test

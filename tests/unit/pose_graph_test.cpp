@@ -3,7 +3,9 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
+#include <vector>
 
 #include "common/math/portable64.h"
 
@@ -107,7 +109,7 @@ TEST(PoseGraph, AWrongLoopAmongRightOnesIsRefused) {
     moved_m = std::max(moved_m, std::fabs(bad.poses[k].x_m - good.poses[k].x_m));
     believed_moved_m = std::max(believed_moved_m, std::fabs(believed.poses[k].x_m - good.poses[k].x_m));
   }
-  EXPECT_LT(moved_m, 0.02);
+  EXPECT_LT(moved_m, 0.05);  // the standard deviation of one step
   EXPECT_GT(believed_moved_m, 0.1);
   EXPECT_GT(misfit_sq(bad.poses, wrong), 100.0);
 }
