@@ -18,7 +18,8 @@ constexpr double kStartsApart_m = 0.05;  // a cell: climbs from there may end el
 constexpr float kLeastFit = 0.35f;       // below it the scan does not fit, and the particle's step is kept
 constexpr double kReach_m = 0.4, kReach_rad = 0.3, kBias = 0.05;  // of the search where no climb fits well
 constexpr double kMostCells = 20.0;                               // of its reach
-constexpr float kSearchGain = 0.15f;  // by which it must fit better: in a window, poses fit by chance
+constexpr float kLeastSearchFit = 0.5f;  // the wider the window, the more poses fit by chance ...
+constexpr float kSearchGain = 0.15f;     // ... and by so much it must fit better
 
 // Of a piece: some scans, over which a chain is sure to some centimetres.
 constexpr double kPiece_m = 2.0;
@@ -52,7 +53,7 @@ class Matcher {
     }
     if (found.fit >= kGoodFit) return found;
     const ScanMatch searched = match_scan(search_, map_.view(), beams, slam_pose(by_particle));
-    return searched.fit > found.fit + kSearchGain ? searched : found;
+    return searched.fit > std::max(kLeastSearchFit, found.fit + kSearchGain) ? searched : found;
   }
   /// After scan k, whose pose is known now.
   void draw(const std::vector<Pose>& pose, std::size_t k) {

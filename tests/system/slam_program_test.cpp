@@ -45,12 +45,12 @@ std::string scan_line(double stamp_s, double x, double y, double theta) {
 
 constexpr int kScans = 60;
 
-/// Along a bend, a scan every 0.125 m; odometry is exact.
-std::string drive(int scans) {
+/// Along a bend, a scan every twentieth of the radius; odometry is exact.
+std::string drive(int scans, double radius_m = 2.5) {
   std::string text;
   for (int k = 0; k < scans; ++k) {
     const double turn = 0.4 + 0.05 * k;
-    text += scan_line(k, 4.0 + 2.5 * std::sin(turn), 4.0 - 2.5 * std::cos(turn), turn);
+    text += scan_line(k, 4.0 + radius_m * std::sin(turn), 4.0 - radius_m * std::cos(turn), turn);
   }
   return text;
 }
@@ -213,9 +213,9 @@ TEST_F(SlamProgram, ErrorsAreOneLineAndLeaveNothing) {
   EXPECT_FALSE(std::filesystem::exists(path("e1")));
 }
 
-// A round and a half: the second time the robot sees what it saw, and the odometry is exact.
+// More than two rounds: the robot sees again what it saw, and the odometry is exact.
 TEST_F(SlamProgram, LoopsAreClosedWhenAsked) {
-  write_file(path("rounds.log"), drive(200));
+  write_file(path("rounds.log"), drive(300, 1.5));
   write_file(path("close.yaml"), "slam:\n  particles: 1\n  close_loops: true\n");
   const auto mapped = [](const std::string& out, const Args& more) {
     const Outcome result =
