@@ -115,6 +115,8 @@ class PieceGraph {
   void add(std::size_t b);
   std::vector<double> ways_by_loops(std::size_t b) const;
   std::vector<Neighbour> candidates(std::size_t b) const;
+  bool has_rival(const PieceMatcher::Found& match, const std::vector<PieceMatcher::Found>& all,
+                 const std::vector<Neighbour>& near) const;
   bool agree(const PoseEdge& p, const PoseEdge& q) const;
   bool take_agreeing(std::size_t first_new);
   bool take_confirmed();
@@ -140,15 +142,15 @@ void PieceGraph::add(std::size_t b) {
   edge_.push_back({b - 1, b, step(b - 1, b),
                    cpu::chain_covariance(chain_, piece_[b - 1].middle, piece_[b].middle), false});
   const std::vector<Neighbour> near = candidates(b);
-  std::vector<std::optional<PoseEdge>> found(near.size());
+  std::vector<PieceMatcher::Found> found(near.size());
 #pragma omp parallel for schedule(dynamic, 1) num_threads(threads_)
   for (std::size_t k = 0; k < near.size(); ++k) {
     const std::size_t a = near[k].piece;
     found[k] = matcher_.match(a, b, relative(pose_[b], pose_[a]), near[k].off_m);
   }
   const std::size_t before = match_.size();
-  for (const std::optional<PoseEdge>& edge : found)
-    if (edge) match_.push_back({*edge, false});
+  for (const PieceMatcher::Found& f : found)
+    if (f.edge && !has_rival(f, found, near)) match_.push_back({*f.edge, false});
   counts_.tried += near.size();
   counts_.found += match_.size() - before;
   if (take_agreeing(before)) relax(pose_, edge_);
@@ -186,6 +188,21 @@ std::vector<Neighbour> PieceGraph::candidates(std::size_t b) const {
     if (distance_m < off_m + kSeen_m) near.push_back({a, distance_m, off_m});
   }
   return nearest(std::move(near), kMostTried);
+}
+
+/// Whether the map of another piece close by puts the same piece elsewhere, about as well: what repeats along
+/// a corridor may be seen once from each.
+bool PieceGraph::has_rival(const PieceMatcher::Found& match, const std::vector<PieceMatcher::Found>& all,
+                           const std::vector<Neighbour>& near) const {
+  const std::size_t from = match.edge->from;
+  for (std::size_t k = 0; k < all.size(); ++k) {
+    if (near[k].piece == from || apart(near[k].piece, from) > kAgreeAcross) continue;
+    for (PieceMatcher::Fit other : all[k].places) {
+      other.pose = compose(step(from, near[k].piece), other.pose);
+      if (PieceMatcher::rivals(match.places[0], other)) return true;
+    }
+  }
+  return false;
 }
 
 /// Whether two matches of different pieces put them where the way between the pieces does.

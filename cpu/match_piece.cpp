@@ -137,18 +137,24 @@ Matrix3 PieceMatcher::spread(const TileMap& map, const BeamTable& beams, const P
   return covariance;
 }
 
-std::optional<PoseEdge> PieceMatcher::match(std::size_t a, std::size_t b, const Pose& guess,
-                                            double reach_m) const {
+bool PieceMatcher::rivals(const Fit& best, const Fit& other) {
+  return other.fit > best.fit - kClearly && between_m(other.pose, best.pose) > kApart_m;
+}
+
+PieceMatcher::Found PieceMatcher::match(std::size_t a, std::size_t b, const Pose& guess,
+                                        double reach_m) const {
   DraftMap map(bind_draw_rules(config_), climb_.match);
   const std::size_t first = a > 0 ? a - 1 : a, last = std::min(a + 1, pieces_.size() - 1);
   for (std::size_t k = pieces_[first].begin; k < pieces_[last].end; ++k)
     map.draw(bind_beams(scans_[k]), slam_pose(relative(chain_.pose[k], chain_.pose[pieces_[a].middle])));
-  const std::vector<Fit> best = best_places(map.view(), b, guess, reach_m);
-  if (best.empty() || best[0].fit < kLeastFit) return std::nullopt;
-  for (std::size_t k = 1; k < best.size(); ++k)
-    if (best[k].fit > best[0].fit - kClearly && between_m(best[k].pose, best[0].pose) > kApart_m)
-      return std::nullopt;
-  return PoseEdge{a, b, best[0].pose, spread(map.view(), beams_of(b, kFewBeams), best[0].pose), true};
+  Found found{best_places(map.view(), b, guess, reach_m), std::nullopt};
+  if (found.places.empty() || found.places[0].fit < kLeastFit) return found;
+  const Fit& best = found.places[0];
+  const bool sure = std::none_of(found.places.begin(), found.places.end(),
+                                 [&](const Fit& other) { return rivals(best, other); });
+  if (sure)
+    found.edge = PoseEdge{a, b, best.pose, spread(map.view(), beams_of(b, kFewBeams), best.pose), true};
+  return found;
 }
 
 }  // namespace parloc::cpu

@@ -17,15 +17,21 @@ class PieceMatcher {
   PieceMatcher(const SlamConfig& config, const std::vector<BeamTable>& scans, const ScanChain& chain,
                const std::vector<Piece>& pieces);
 
-  /// Where piece `b` lies seen from piece `a` (their numbers are the edge's ends), looked for up to `reach_m`
-  /// around `guess` along x and y. Nothing where it does not fit, or fits as well somewhere else.
-  std::optional<PoseEdge> match(std::size_t a, std::size_t b, const Pose& guess, double reach_m) const;
-
- private:
   struct Fit {
     Pose pose;
     float fit;
   };
+  struct Found {
+    std::vector<Fit> places;       ///< Of piece b seen from piece a, the best first.
+    std::optional<PoseEdge> edge;  ///< The best, from a to b; nothing where it is none or one of several.
+  };
+
+  /// Looks for piece `b` up to `reach_m` around `guess` along x and y, both seen from piece `a`.
+  Found match(std::size_t a, std::size_t b, const Pose& guess, double reach_m) const;
+  /// Whether another place of a piece speaks against the best one: elsewhere, and about as good.
+  static bool rivals(const Fit& best, const Fit& other);
+
+ private:
   BeamTable beams_of(std::size_t piece, std::size_t most) const;
   std::vector<Fit> best_places(const TileMap& map, std::size_t b, const Pose& guess, double reach_m) const;
   Matrix3 spread(const TileMap& map, const BeamTable& beams, const Pose& at) const;
