@@ -4,12 +4,20 @@
 #include "cpu/sum_beams.h"
 
 namespace parloc::cpu {
+namespace {
+
+std::size_t count_matched(const MatchRules& rules, const Beams& beams) {
+  std::size_t matched = 0;
+  for (std::size_t m = 0; m < beams.hits; ++m) matched += beams.range_m[m] <= rules.usable_m ? 1 : 0;
+  return matched;
+}
+
+}  // namespace
 
 ScanMatch match_scan(const MatchScanRules& rules, const TileMap& map, const Beams& beams,
                      const SlamPose& start) {
   ScanMatch found{start, 0.0f};
-  std::size_t matched = 0;
-  for (std::size_t m = 0; m < beams.hits; ++m) matched += beams.range_m[m] <= rules.match.usable_m ? 1 : 0;
+  const std::size_t matched = count_matched(rules.match, beams);
   if (matched == 0) return found;
   BeamSums beam_sums;
   const auto sums = [&](const auto& search, Ask ask, std::int32_t* sum,
@@ -37,6 +45,22 @@ ScanMatch match_scan(const MatchScanRules& rules, const TileMap& map, const Beam
     found.fit = static_cast<float>(climb.score()) / (kScoreUnits * static_cast<float>(matched));
   });
   return found;
+}
+
+std::vector<float> fits_at(const MatchRules& rules, const TileMap& map, const Beams& beams,
+                           const std::vector<SlamPose>& poses) {
+  std::vector<float> fits(poses.size(), 0.0f);
+  const std::size_t matched = count_matched(rules, beams);
+  if (matched == 0) return fits;
+  BeamSums beam_sums;
+  const StrictFloat strict;
+  run_simd([&]() PARLOC_SIMD_LOOP {
+    for (std::size_t k = 0; k < poses.size(); ++k) {
+      const std::int32_t sum = beam_sums.sum(map, beams, match_pose(poses[k], rules), rules, Ask::score);
+      fits[k] = static_cast<float>(sum) / (kScoreUnits * static_cast<float>(matched));
+    }
+  });
+  return fits;
 }
 
 }  // namespace parloc::cpu

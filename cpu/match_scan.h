@@ -1,6 +1,8 @@
 // One scan against one map, on the host: what `propose` does for a particle, without odometry and weights.
 #pragma once
 
+#include <vector>
+
 #include "common/slam/propose.h"
 
 namespace parloc::cpu {
@@ -19,5 +21,9 @@ struct ScanMatch {
 /// From `start`, a search of the window and a climb. Deterministic.
 ScanMatch match_scan(const MatchScanRules& rules, const TileMap& map, const Beams& beams,
                      const SlamPose& start);
+
+/// The same mean score at each of the poses.
+std::vector<float> fits_at(const MatchRules& rules, const TileMap& map, const Beams& beams,
+                           const std::vector<SlamPose>& poses);
 
 }  // namespace parloc::cpu

@@ -320,6 +320,8 @@ void visit_fields(Config& c, Visitor&& visit) {
   visit(Field{"slam", "motion_floor_theta", "... [rad]"}, l.motion_floor_theta, Real{0, 10, true});
   visit(Field{"slam", "occupied_above", "Share of beams ending there from which a cell is a wall"},
         l.occupied_above, Real{0, 1});
+  visit(Field{"slam", "close_loops", "Distribute over the way what loops leave over, and draw the map anew"},
+        l.close_loops);
   visit(Field{"slam", "memory_mib", "Most that the tiles of all maps take [MiB]; 0: no limit"}, l.memory_mib,
         Int{0, 10'000'000});
 

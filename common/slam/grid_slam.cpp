@@ -12,6 +12,7 @@
 #include "common/math/portable64.h"
 #include "common/math/sha256.h"
 #include "common/slam/checkpoint_frame.h"
+#include "common/slam/close_loops.h"
 #include "common/slam/path_tree.h"
 #include "common/slam/saved_parts.h"
 #include "common/slam/scan_odometry.h"
@@ -103,10 +104,12 @@ struct GridSlam::State {
   std::optional<Pose> odometry;               ///< At the last scan that counted.
   std::vector<Moment> moments;
   std::vector<Pose> odometry_of;  ///< By step.
+  std::vector<BeamTable> scans;   ///< By step, only where loops are to be closed.
   std::vector<SlamRecord> records;
   PathTree paths;
   SubMaps sub_maps;
   const SlamStep* last = nullptr;
+  std::optional<ClosedWay> closed;  ///< Of the steps so far, once it was asked for.
 
   bool far_enough(const Pose& now) const {
     return !odometry || way_between(*odometry, now) >= config.slam.update_min_d ||
@@ -131,6 +134,15 @@ struct GridSlam::State {
   }
   Pose pose_at(const Moment& m, const std::vector<Pose>& path) const;
   SlamCells cells_of(std::size_t particle) const;
+  std::size_t best() const;
+  /// By step: the best particle's poses ...
+  std::vector<Pose> path() const { return paths.path(best()); }
+  /// ... and with loops closed.
+  const ClosedWay& closed_way();
+  Trajectory along(const std::vector<Pose>& path) const;
+  /// The map to show, of the best particle or with loops closed.
+  SlamCells cells();
+  GridMap cropped(const SlamCells& cells) const;
   /// All members above but config, and what follows from the others. The order is that of the file.
   void save(ByteWriter& w) const;
   void load(ByteReader& r);
@@ -172,6 +184,7 @@ void GridSlam::State::save(ByteWriter& w) const {
   paths.save(w);
   sub_maps.save(w);
   if (scan_odometry) put_scan_odometry(w, scan_odometry->state());
+  if (config.slam.close_loops) w.put_each(scans, put_beams);
 }
 
 void GridSlam::State::load(ByteReader& r) {
@@ -185,9 +198,12 @@ void GridSlam::State::load(ByteReader& r) {
   paths.load(r);
   sub_maps.load(r, backend->save().span);
   if (scan_odometry) scan_odometry->restore(get_scan_odometry(r));
+  closed.reset();
+  if (config.slam.close_loops) scans = r.get_each(84, get_beams);
   r.expect(r.left() == 0, "its end");
   const std::size_t steps = records.size();
-  r.expect(odometry_of.size() == steps && paths.steps() == steps && odometry.has_value() == (steps > 0),
+  r.expect(odometry_of.size() == steps && paths.steps() == steps && odometry.has_value() == (steps > 0) &&
+               (!config.slam.close_loops || scans.size() == steps),
            "as much of everything as there were scans");
   for (const Moment& m : moments) r.expect(m.step < steps, "scans between those that counted");
   if (steps == 0) last = nullptr;
@@ -215,6 +231,8 @@ bool GridSlam::step(const Pose& recorded, const Scan& scan) {
   s.last = &s.backend->write();
   s.odometry = odometry;
   s.odometry_of.push_back(odometry);
+  if (s.config.slam.close_loops) s.scans.push_back(s.beams);
+  s.closed.reset();
   s.moments.push_back({scan.stamp_s, odometry, s.records.size(), true});
   s.paths.add(poses(), s.last->ancestor);
   s.records.push_back(
@@ -230,7 +248,10 @@ std::vector<Pose> GridSlam::poses() const {
 }
 
 std::size_t GridSlam::best() const {
-  const std::vector<float>& l = state_->last->likelihood;
+  return state_->best();
+}
+std::size_t GridSlam::State::best() const {
+  const std::vector<float>& l = last->likelihood;
   return static_cast<std::size_t>(std::max_element(l.begin(), l.end()) - l.begin());
 }
 
@@ -252,19 +273,53 @@ SlamCells GridSlam::State::cells_of(std::size_t particle) const {
   return cells;
 }
 
-Trajectory GridSlam::trajectory() const {
-  const State& s = *state_;
+const ClosedWay& GridSlam::State::closed_way() {
+  if (!closed) closed = close_loops(config.slam, {path(), odometry_of, scans}, config.threads);
+  return *closed;
+}
+
+SlamCells GridSlam::State::cells() {
+  if (!config.slam.close_loops || closed_way().counts.used == 0) return cells_of(best());
+  return drawn_map(config.slam, scans, closed_way().path);
+}
+
+Trajectory GridSlam::State::along(const std::vector<Pose>& path) const {
   Trajectory out;
-  if (s.records.empty()) return out;
-  const std::vector<Pose> path = s.paths.path(best());
-  for (const Moment& m : s.moments) out.push_back({m.stamp_s, s.pose_at(m, path)});
+  for (const Moment& m : moments) out.push_back({m.stamp_s, pose_at(m, path)});
   return out;
 }
 
+Trajectory GridSlam::trajectory() const {
+  State& s = *state_;
+  if (s.records.empty() || !s.config.slam.close_loops) return trajectory_so_far();
+  return s.along(s.closed_way().path);
+}
+Trajectory GridSlam::trajectory_so_far() const {
+  return state_->records.empty() ? Trajectory{} : state_->along(state_->path());
+}
+
+std::optional<LoopCounts> GridSlam::loops() const {
+  State& s = *state_;
+  if (!s.config.slam.close_loops) return std::nullopt;
+  return s.records.empty() ? LoopCounts{} : s.closed_way().counts;
+}
+
+namespace {
+void expect_a_scan(const std::vector<SlamRecord>& records) {
+  if (records.empty()) throw Error(ErrorKind::input, "slam: no scan was taken in, there is no map");
+}
+}  // namespace
+
 GridMap GridSlam::map() const {
-  const State& s = *state_;
-  if (s.records.empty()) throw Error(ErrorKind::input, "slam: no scan was taken in, there is no map");
-  const SlamCells cells = s.cells_of(best());
+  expect_a_scan(state_->records);
+  return state_->cropped(state_->cells());
+}
+GridMap GridSlam::map_so_far() const {
+  expect_a_scan(state_->records);
+  return state_->cropped(state_->cells_of(state_->best()));
+}
+
+GridMap GridSlam::State::cropped(const SlamCells& cells) const {
   std::int32_t i0 = cells.width, i1 = -1, j0 = cells.height, j1 = -1;
   const auto word = [&](std::int32_t i, std::int32_t j) {
     return cells.cell[static_cast<std::size_t>(j) * static_cast<std::size_t>(cells.width) +
@@ -277,13 +332,13 @@ GridMap GridSlam::map() const {
   if (i1 < 0) throw Error(ErrorKind::input, "slam: no beam ended or passed anywhere, there is no map");
   GridMap map;
   map.width = i1 - i0 + 1, map.height = j1 - j0 + 1;
-  map.resolution_m = s.config.slam.resolution;
+  map.resolution_m = config.slam.resolution;
   map.T_map_grid = {(cells.first_i + i0) * map.resolution_m, (cells.first_j + j0) * map.resolution_m, 0.0};
   map.name = "slam";
   for (std::int32_t j = j0; j <= j1; ++j)
     for (std::int32_t i = i0; i <= i1; ++i) {
       const CellWord w = word(i, j);
-      const bool wall = hits_of(w) > s.config.slam.occupied_above * visits_of(w);
+      const bool wall = hits_of(w) > config.slam.occupied_above * visits_of(w);
       map.cells.push_back(visits_of(w) == 0 ? Cell::unknown : wall ? Cell::occupied : Cell::free);
     }
   return map;
@@ -327,7 +382,7 @@ std::string GridSlam::digest() const {
   Sha256 sha;
   for (const StampedPose& p : trajectory())
     for (const double v : {p.pose.x_m, p.pose.y_m, p.pose.theta_rad}) sha.add(v);
-  add_cells(sha, state_->cells_of(best()));
+  add_cells(sha, state_->cells());
   return sha.hex();
 }
 

@@ -13,6 +13,7 @@
 #include "common/io/trajectory.h"
 #include "common/map/grid_map.h"
 #include "common/model/beam_counts.h"
+#include "common/slam/loop_counts.h"
 #include "common/slam/scan_odometry_counts.h"
 #include "common/slam/slam_checkpoint.h"
 
@@ -61,10 +62,16 @@ class GridSlam {
   /// Where the particles were at the last scan that counted, by slot; map frame.
   std::vector<Pose> poses() const;
   /// The best one's pose at every scan so far, map frame; between scans that counted by odometry, bent to fit
-  /// both.
+  /// both. With slam.close_loops the loops of it are closed first, which takes a while; once, until the next
+  /// scan is taken in.
   Trajectory trajectory() const;
-  /// Its map, cropped to what is known.
+  /// Its map, cropped to what is known; with slam.close_loops drawn anew along that trajectory.
   GridMap map() const;
+  /// The same as the particle has them, whatever slam.close_loops says; for pictures on the way.
+  Trajectory trajectory_so_far() const;
+  GridMap map_so_far() const;
+  /// What became of the loops; nothing without slam.close_loops.
+  std::optional<LoopCounts> loops() const;
   const std::vector<SlamRecord>& records() const;
   /// By scan that counted: how many different poses the particles of now have behind them there.
   std::vector<std::size_t> distinct_ancestors() const;

@@ -144,23 +144,37 @@ void visit_arrays(Table& t, const Visit& visit) {
                        &t.end_x, &t.end_y})
     visit(*values);
 }
+
+}  // namespace
+
+void put_beams(ByteWriter& w, const BeamTable& beams) {
+  w.put_count(beams.count), w.put_count(beams.hits), w.put(beams.range_max_m);
+  visit_arrays(beams, [&](const std::vector<float>& values) { w.put(values); });
+}
+BeamTable get_beams(ByteReader& r) {
+  BeamTable beams;
+  beams.count = r.get<std::uint64_t>(), beams.hits = r.get<std::uint64_t>();
+  beams.range_max_m = r.get<float>();
+  r.expect(beams.hits <= beams.count && beams.count <= kMaxBeams, "a scan");
+  visit_arrays(beams, [&](std::vector<float>& values) {
+    values = get_floats(r, beams.count);
+    for (const float v : values) r.expect(std::fabs(v) <= 1e6f, "beams of a length that can be");
+  });
+  measure_origins(beams);
+  return beams;
+}
+
+namespace {
+
 void put_key(ByteWriter& w, const KeyScan& key) {
-  w.put_count(key.beams.count), w.put_count(key.beams.hits), w.put(key.beams.range_max_m);
-  visit_arrays(key.beams, [&](const std::vector<float>& values) { w.put(values); });
+  put_beams(w, key.beams);
   put_pose(w, key.pose);
   w.put_count(key.lidar);
 }
 KeyScan get_key(ByteReader& r, const Pose& origin) {
   constexpr double kFarthest_m = 1e4;  // cells between there and here are whole numbers of 32 bits
   KeyScan key;
-  key.beams.count = r.get<std::uint64_t>(), key.beams.hits = r.get<std::uint64_t>();
-  key.beams.range_max_m = r.get<float>();
-  r.expect(key.beams.hits <= key.beams.count && key.beams.count <= kMaxBeams, "a scan");
-  visit_arrays(key.beams, [&](std::vector<float>& values) {
-    values = get_floats(r, key.beams.count);
-    for (const float v : values) r.expect(std::fabs(v) <= 1e6f, "beams of a length that can be");
-  });
-  measure_origins(key.beams);
+  key.beams = get_beams(r);
   key.pose = get_pose(r);
   key.lidar = r.get<std::uint64_t>();
   const Pose from = relative(key.pose, origin);

@@ -8,6 +8,7 @@
 #include "common/io/trajectory.h"
 #include "common/math/pose.h"
 #include "common/model/beam_counts.h"
+#include "common/model/beams.h"
 #include "common/slam/scan_odometry.h"
 #include "common/slam/slam_backend.h"
 
@@ -21,6 +22,9 @@ Trajectory get_trajectory(ByteReader& r);
 std::vector<StampedPose> get_readings(ByteReader& r);
 void put_lidars(ByteWriter& w, const std::vector<LidarUse>& lidars);
 std::vector<LidarUse> get_lidars(ByteReader& r);
+
+void put_beams(ByteWriter& w, const BeamTable& beams);
+BeamTable get_beams(ByteReader& r);
 
 void put_scan_odometry(ByteWriter& w, const ScanOdometryState& s);
 ScanOdometryState get_scan_odometry(ByteReader& r);

@@ -48,6 +48,7 @@ struct SlamConfig {
   double motion_floor_xy = 0.01;      ///< Motion noise besides, whatever the motion [m] ...
   double motion_floor_theta = 0.003;  ///< ... [rad]
   double occupied_above = 0.25;       ///< Share of hits from which a cell of the written map is a wall.
+  bool close_loops = true;            ///< Trajectory and map with loops closed afterwards (close_loops.h).
   int memory_mib = 0;  ///< Most that the tiles of all particles take [MiB]; 0: no limit (sub_maps.h).
 };
 

@@ -45,23 +45,23 @@ std::string scan_line(double stamp_s, double x, double y, double theta) {
 
 constexpr int kScans = 60;
 
-/// Along a bend, a scan every 0.125 m; odometry is exact.
-std::string drive(int scans) {
+/// Along a bend, a scan every twentieth of the radius; odometry is exact.
+std::string drive(int scans, double radius_m = 2.5) {
   std::string text;
   for (int k = 0; k < scans; ++k) {
     const double turn = 0.4 + 0.05 * k;
-    text += scan_line(k, 4.0 + 2.5 * std::sin(turn), 4.0 - 2.5 * std::cos(turn), turn);
+    text += scan_line(k, 4.0 + radius_m * std::sin(turn), 4.0 - radius_m * std::cos(turn), turn);
   }
   return text;
 }
 
 /// The same drive in a frame of its own.
-Trajectory truth() {
+Trajectory truth(int scans = kScans, double radius_m = 2.5) {
   Trajectory way;
-  for (int k = 0; k < kScans; ++k) {
+  for (int k = 0; k < scans; ++k) {
     const double turn = 0.4 + 0.05 * k;
-    way.push_back({1.0 * k, compose({30.0, -5.0, 1.0},
-                                    {4.0 + 2.5 * std::sin(turn), 4.0 - 2.5 * std::cos(turn), turn})});
+    way.push_back({1.0 * k, compose({30.0, -5.0, 1.0}, {4.0 + radius_m * std::sin(turn),
+                                                        4.0 - radius_m * std::cos(turn), turn})});
   }
   return way;
 }
@@ -211,6 +211,31 @@ TEST_F(SlamProgram, ErrorsAreOneLineAndLeaveNothing) {
                                ProgramCase{slam("e1", {"--particles", "0"}), 2, "particles"}})
     expect_error(call(c.args), c);
   EXPECT_FALSE(std::filesystem::exists(path("e1")));
+}
+
+// More than two rounds: the robot sees again what it saw, and the odometry is exact.
+TEST_F(SlamProgram, LoopsAreClosedWhenAsked) {
+  write_file(path("rounds.log"), drive(300, 1.5));
+  write_tum(path("rounds.tum"), truth(300, 1.5));
+  write_file(path("close.yaml"), "slam:\n  particles: 1\n  close_loops: true\n");
+  const auto mapped = [](const std::string& out, const Args& more) {
+    const Outcome result = call(with({"slam", "--log", path("rounds.log"), "--backend", "cpu", "--truth",
+                                      path("rounds.tum"), "--out", path(out)},
+                                     more));
+    EXPECT_EQ(result.code, 0) << result.err;
+    return result;
+  };
+  const Outcome closed = mapped("closed", {"--config", path("close.yaml")});
+  const auto loops = json_of("closed/metrics.json").at("loops");
+  EXPECT_GT(loops.at("used").get<int>(), 0);
+  EXPECT_EQ(loops.at("found").get<int>(), loops.at("used").get<int>() + loops.at("refused").get<int>());
+  // Half a cell: nothing is wrong with scans and odometry.
+  EXPECT_LT(json_of("closed/metrics.json").at("truth").at("position_rmse_m").get<double>(), 0.025);
+  EXPECT_NE((closed.out + closed.err).find("used; the way was moved by up to "), std::string::npos);
+  EXPECT_TRUE(json_of("closed/metrics.json").at("config").at("slam").at("close_loops").get<bool>());
+  const Outcome open = mapped("open", {});
+  EXPECT_TRUE(json_of("open/metrics.json").at("loops").is_null());
+  EXPECT_EQ((open.out + open.err).find("loops"), std::string::npos);
 }
 
 }  // namespace

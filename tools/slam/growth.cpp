@@ -73,12 +73,12 @@ std::array<std::size_t, 4> quarters(const std::vector<std::size_t>& by_scan) {
 
 Growth growth_of(const GridSlam& slam, std::size_t scans) {
   const std::vector<SlamRecord>& records = slam.records();
-  const Trajectory way = slam.trajectory();
+  const Trajectory way = slam.trajectory_so_far();
   Growth g;
   g.state.stamp_s = way.back().stamp_s;
   g.state.pose = way.back().pose;
   g.state.particles = drawn_of(slam.poses());
-  g.map = shrunk(slam.map(), Growth::most_cells);
+  g.map = shrunk(slam.map_so_far(), Growth::most_cells);
   g.path = thinned(way, Growth::most_poses);
   g.distance_m = length_m(way);
   g.scans = scans, g.taken_in = records.size(), g.resampled = resampled(records);

@@ -30,6 +30,7 @@ void finish(const GridSlam& slam, Mapping& m) {
   m.backend = slam.backend_name();
   m.digest = slam.digest();
   m.scan_odometry = slam.scan_odometry();
+  m.loops = slam.loops();
   if (m.scan_odometry) m.odometry = slam.odometry();  // its first scan is its origin
 }
 

@@ -49,6 +49,7 @@ struct Mapping {
   ScanTimes times;
   std::optional<ScanOdometryCounts> scan_odometry;  ///< Nothing with recorded odometry.
   bool odometry_chosen = false;                     ///< From the scans, since the recorded one never moves.
+  std::optional<LoopCounts> loops;                  ///< Nothing without slam.close_loops.
   FilterConfig config;
   std::string backend, digest;
   double wall_s = 0.0, log_s = 0.0;

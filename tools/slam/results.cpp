@@ -53,6 +53,20 @@ Json odometry_json(const SlamResults& results) {
           {"far", c->far},     {"new_maps", c->new_maps}};
 }
 
+std::string loops_text(const LoopCounts& c) {
+  return fmt::format("{} matches tried, {} found, {} used; the way was moved by up to {:.2f} m", c.tried,
+                     c.found, c.used, c.most_moved_m);
+}
+
+Json loops_json(const std::optional<LoopCounts>& c) {
+  if (!c) return nullptr;
+  return {{"tried", c->tried},
+          {"found", c->found},
+          {"used", c->used},
+          {"refused", c->found - c->used},
+          {"most_moved_m", c->most_moved_m}};
+}
+
 std::vector<Fact> main_facts(const SlamResults& results) {
   const Mapping& m = results.mapping;
   std::vector<Fact> facts;
@@ -67,6 +81,7 @@ std::vector<Fact> main_facts(const SlamResults& results) {
   facts.push_back({"particles", fmt::format("{}, resampled {} times; {}", m.config.slam.particles,
                                             resampled(m.records), depletion_text(m))});
   if (m.scan_odometry) facts.push_back({"odometry", odometry_text(*m.scan_odometry)});
+  if (m.loops) facts.push_back({"loops", loops_text(*m.loops)});
   facts.push_back({"memory", memory_text(m.memory)});
   facts.push_back({"time", fmt::format("{:.2f} s for {:.2f} s of log ({:.1f} times real time)", m.wall_s,
                                        m.log_s, m.real_time_factor())});
@@ -184,6 +199,7 @@ std::string metrics_json(const SlamResults& results) {
   json["relations"] = tools::relations_json(results.relations);
   json["truth"] = truth_json(results.errors);
   json["odometry"] = odometry_json(results);
+  json["loops"] = loops_json(m.loops);
   json["scans"] = m.scans;
   json["scans_taken_in"] = m.records.size();
   json["resumed_at"] = m.resumed_at;
