@@ -161,6 +161,8 @@ int run(const SlamOptions& o, const std::string& typed) {
   catch_interrupts();
   {
     Progress progress(Progress::style_here(o.quiet));
+    std::optional<Progress> closing;
+    request.closing = [&] { closing.emplace(Progress::style_here(o.quiet)).update(0.0, "closing loops"); };
     request.progress = [&](double fraction, std::size_t scans) {
       progress.update(fraction,
                       fmt::format("{} scans{}", scans, o.live ? ", see " + out.final_path(kLivePage) : ""));

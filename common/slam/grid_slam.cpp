@@ -86,6 +86,18 @@ void add_cells(Sha256& sha, const SlamCells& cells) {
   }
 }
 
+std::string digest_of(const Trajectory& trajectory, const SlamCells& cells) {
+  Sha256 sha;
+  for (const StampedPose& p : trajectory)
+    for (const double v : {p.pose.x_m, p.pose.y_m, p.pose.theta_rad}) sha.add(v);
+  add_cells(sha, cells);
+  return sha.hex();
+}
+
+void expect_a_scan(const std::vector<SlamRecord>& records) {
+  if (records.empty()) throw Error(ErrorKind::input, "slam: no scan was taken in, there is no map");
+}
+
 }  // namespace
 
 struct GridSlam::State {
@@ -304,12 +316,6 @@ std::optional<LoopCounts> GridSlam::loops() const {
   return s.records.empty() ? LoopCounts{} : s.closed_way().counts;
 }
 
-namespace {
-void expect_a_scan(const std::vector<SlamRecord>& records) {
-  if (records.empty()) throw Error(ErrorKind::input, "slam: no scan was taken in, there is no map");
-}
-}  // namespace
-
 GridMap GridSlam::map() const {
   expect_a_scan(state_->records);
   return state_->cropped(state_->cells());
@@ -379,11 +385,10 @@ std::string GridSlam::backend_name() const {
   return state_->backend->name();
 }
 std::string GridSlam::digest() const {
-  Sha256 sha;
-  for (const StampedPose& p : trajectory())
-    for (const double v : {p.pose.x_m, p.pose.y_m, p.pose.theta_rad}) sha.add(v);
-  add_cells(sha, state_->cells());
-  return sha.hex();
+  return digest_of(trajectory(), state_->cells());
+}
+std::string GridSlam::digest_so_far() const {
+  return digest_of(trajectory_so_far(), state_->cells_of(best()));
 }
 
 }  // namespace parloc

@@ -36,6 +36,7 @@ struct SlamMemory {
   std::size_t sub_map_bytes = 0;    ///< Of the places that are handed over now; in host memory.
 };
 
+/// Not thread-safe; trajectory(), map(), loops() and digest() are not either, const as they are.
 class GridSlam {
  public:
   /// Reads particles..seed, motion, scan, lidars and slam of the configuration. Throws Error{config} and
@@ -70,6 +71,7 @@ class GridSlam {
   /// The same as the particle has them, whatever slam.close_loops says; for pictures on the way.
   Trajectory trajectory_so_far() const;
   GridMap map_so_far() const;
+  std::string digest_so_far() const;
   /// What became of the loops; nothing without slam.close_loops.
   std::optional<LoopCounts> loops() const;
   const std::vector<SlamRecord>& records() const;
@@ -83,7 +85,7 @@ class GridSlam {
   const std::vector<LidarUse>& lidars_used() const;  ///< By LiDAR, in the order in which they came.
   const FilterConfig& config() const;
   std::string backend_name() const;
-  std::string digest() const;
+  std::string digest() const;  ///< Of trajectory() and the cells of map().
 
  private:
   struct State;

@@ -57,7 +57,8 @@ FilterConfig fixed_config(const Golden& golden) {
             .box_theta = 0.04,
             .motion_floor_xy = 0.02,
             .motion_floor_theta = 0.005,
-            .occupied_above = 0.25};
+            .occupied_above = 0.25,
+            .close_loops = false};
   return c;
 }
 

@@ -19,18 +19,20 @@ double seconds_since(Clock::time_point start) {
   return std::chrono::duration<double>(Clock::now() - start).count();
 }
 
-void finish(const GridSlam& slam, Mapping& m) {
-  m.map = slam.map();
-  m.trajectory = slam.trajectory();
+/// Loops are left open by a break: who breaks off does not want to wait.
+void finish(const GridSlam& slam, const MapRequest& request, Mapping& m) {
+  if (!m.interrupted && request.closing && slam.config().slam.close_loops) request.closing();
+  m.map = m.interrupted ? slam.map_so_far() : slam.map();
+  m.trajectory = m.interrupted ? slam.trajectory_so_far() : slam.trajectory();
+  m.digest = m.interrupted ? slam.digest_so_far() : slam.digest();
+  if (!m.interrupted) m.loops = slam.loops();
   m.records = slam.records();
   m.distinct = slam.distinct_ancestors();
   m.memory = slam.memory();
   m.lidars = slam.lidars_used();
   m.config = slam.config();
   m.backend = slam.backend_name();
-  m.digest = slam.digest();
   m.scan_odometry = slam.scan_odometry();
-  m.loops = slam.loops();
   if (m.scan_odometry) m.odometry = slam.odometry();  // its first scan is its origin
 }
 
@@ -85,7 +87,7 @@ Mapping map_log(LogReader& source, const MapRequest& request) {
         "expected a scan with enough beams to map, found none in " + std::to_string(m.scans) + " scans");
   growth.finish([&] { return growth_of(slam, m.scans); });
   m.growth = growth.take();
-  finish(slam, m);
+  finish(slam, request, m);
   m.wall_s = checkpoints.wall_s();
   return m;
 }

@@ -26,6 +26,7 @@ struct MapRequest {
   /// After every scan that was taken in; may be empty. `scans` were read.
   std::function<void(const GridSlam& slam, std::size_t scans)> watch;
   bool odometry_chosen = false;      ///< From the scans, since the recorded one never moves.
+  std::function<void()> closing;     ///< Before loops are closed, which takes a while; may be empty.
   std::function<bool()> stop;        ///< Asked before every scan; may be empty. True ends the work early.
   std::string checkpoint;            ///< Where the state is written when the work ends early; empty: nowhere.
   double checkpoint_every_s = 0.0;   ///< ... and how often besides, of wall time; 0: not.
@@ -49,7 +50,7 @@ struct Mapping {
   ScanTimes times;
   std::optional<ScanOdometryCounts> scan_odometry;  ///< Nothing with recorded odometry.
   bool odometry_chosen = false;                     ///< From the scans, since the recorded one never moves.
-  std::optional<LoopCounts> loops;                  ///< Nothing without slam.close_loops.
+  std::optional<LoopCounts> loops;                  ///< Nothing where they were left open.
   FilterConfig config;
   std::string backend, digest;
   double wall_s = 0.0, log_s = 0.0;

@@ -82,6 +82,7 @@ std::vector<Fact> main_facts(const SlamResults& results) {
                                             resampled(m.records), depletion_text(m))});
   if (m.scan_odometry) facts.push_back({"odometry", odometry_text(*m.scan_odometry)});
   if (m.loops) facts.push_back({"loops", loops_text(*m.loops)});
+  if (m.interrupted && m.config.slam.close_loops) facts.push_back({"loops", "left open by the interruption"});
   facts.push_back({"memory", memory_text(m.memory)});
   facts.push_back({"time", fmt::format("{:.2f} s for {:.2f} s of log ({:.1f} times real time)", m.wall_s,
                                        m.log_s, m.real_time_factor())});
