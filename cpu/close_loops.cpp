@@ -4,43 +4,21 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdint>
-#include <functional>
-#include <limits>
-#include <optional>
-#include <queue>
-#include <set>
-#include <utility>
 
 #include "common/filter/bind.h"
-#include "common/math/portable64.h"
 #include "cpu/draft_map.h"
-#include "cpu/match_piece.h"
+#include "cpu/match_scan.h"
+#include "cpu/piece_graph.h"
 
 namespace parloc {
 namespace {
 
-using cpu::Piece, cpu::PieceMatcher, cpu::ScanChain;
-
-// A loop: the robot has gone so far in between.
-constexpr double kLeastWay_m = 8.0;
-// How far off the way may be: so much, and a part of the way between by known loops. Scan matching drifts by
-// less than a hundredth; a robot that slips, or a corridor, by more.
-constexpr double kOff_m = 0.6, kOffByWay = 0.03, kMostOff_m = 4.0;
-constexpr double kSeen_m = 1.5;        // pieces whose middles are so much farther apart show the same walls
-constexpr double kLoop_m = 0.5;        // what a loop adds to the way between
-constexpr std::size_t kMostTried = 4;  // of the earlier pieces by each later one, the nearest
-// Matches agree if the chain between them says so: so close, and half of it more for each piece between.
-constexpr double kAgree_m = 0.1, kAgree_rad = 0.03;
-constexpr std::size_t kAgreeAcross = 4;    // pieces
-constexpr std::size_t kOthersToAgree = 2;  // of other pieces each, before any of the matches counts
-
-constexpr double kConfirmed = 3.0;  // times that close to where all loops put it: as good as agreed
+using cpu::Neighbour, cpu::Piece, cpu::PieceGraph, cpu::ScanChain;
 
 // When the loops are closed, single scans are matched to earlier and later pieces.
 constexpr int kRefinements = 2;
 constexpr double kNear_m = 3.0;
-constexpr std::size_t kPiecesByScan = 3, kAcrossClosed = 4;
+constexpr std::size_t kPiecesByScan = 3;
 constexpr std::size_t kLeastHits = 60;
 constexpr float kLeastFit = 0.55f;
 constexpr double kScan_m = 0.03, kScan_rad = 0.006;
@@ -48,234 +26,6 @@ constexpr double kScan_m = 0.03, kScan_rad = 0.006;
 double between_m(const Pose& a, const Pose& b) {
   return std::sqrt((b.x_m - a.x_m) * (b.x_m - a.x_m) + (b.y_m - a.y_m) * (b.y_m - a.y_m));
 }
-std::size_t apart(std::size_t a, std::size_t b) {
-  return a > b ? a - b : b - a;
-}
-
-bool close_to(const Pose& a, const Pose& b, double factor) {
-  return between_m(a, b) < factor * kAgree_m &&
-         std::fabs(wrap64(a.theta_rad - b.theta_rad)) < factor * kAgree_rad;
-}
-
-/// A piece that may show what another shows.
-struct Neighbour {
-  std::size_t piece;
-  double distance_m;
-  double off_m;  ///< How far off it may be.
-};
-
-/// The nearest, no two next to each other: those show the same.
-std::vector<Neighbour> nearest(std::vector<Neighbour> near, std::size_t most) {
-  std::stable_sort(near.begin(), near.end(),
-                   [](const Neighbour& p, const Neighbour& q) { return p.distance_m < q.distance_m; });
-  std::vector<Neighbour> out;
-  for (const Neighbour& n : near) {
-    const bool beside =
-        std::any_of(out.begin(), out.end(), [&](const Neighbour& o) { return apart(o.piece, n.piece) < 2; });
-    if (!beside && out.size() < most) out.push_back(n);
-  }
-  return out;
-}
-
-/// Pieces of the way, one after the other: each is looked for in what is around, and what is left over is
-/// distributed before the next.
-class PieceGraph {
- public:
-  PieceGraph(const SlamConfig& config, const std::vector<BeamTable>& scans, const ScanChain& chain,
-             int threads)
-      : chain_(chain),
-        piece_(cpu::cut_in_pieces(chain)),
-        matcher_(config, scans, chain, piece_),
-        threads_(threads) {
-    for (std::size_t b = 0; b < piece_.size(); ++b) add(b);
-    while (take_confirmed()) relax(pose_, edge_);
-  }
-
-  const std::vector<Piece>& pieces() const { return piece_; }
-  const LoopCounts& counts() const { return counts_; }
-  /// By scan: where its piece is, bent between the middles of pieces.
-  std::vector<Pose> path() const;
-  /// Whether a loop was closed between the two, or close to both.
-  bool closed(std::size_t a, std::size_t b) const {
-    return closed_.count({std::min(a, b), std::max(a, b)}) > 0;
-  }
-  double way_between_m(std::size_t a, std::size_t b) const {
-    return std::fabs(chain_.way_m[piece_[b].middle] - chain_.way_m[piece_[a].middle]);
-  }
-
- private:
-  struct Match {
-    PoseEdge edge;
-    bool used = false;
-  };
-
-  Pose step(std::size_t from, std::size_t to) const {
-    return relative(chain_.pose[piece_[to].middle], chain_.pose[piece_[from].middle]);
-  }
-  void add(std::size_t b);
-  std::vector<double> ways_by_loops(std::size_t b) const;
-  std::vector<Neighbour> candidates(std::size_t b) const;
-  bool has_rival(const PieceMatcher::Found& match, const std::vector<PieceMatcher::Found>& all,
-                 const std::vector<Neighbour>& near) const;
-  bool agree(const PoseEdge& p, const PoseEdge& q) const;
-  bool take_agreeing(std::size_t first_new);
-  bool take_confirmed();
-  void take(Match& match);
-
-  const ScanChain& chain_;
-  std::vector<Piece> piece_;
-  PieceMatcher matcher_;
-  int threads_;
-  std::vector<Pose> pose_;  ///< Of the middles.
-  std::vector<PoseEdge> edge_;
-  std::vector<Match> match_;
-  std::set<std::pair<std::size_t, std::size_t>> closed_;
-  LoopCounts counts_;
-};
-
-void PieceGraph::add(std::size_t b) {
-  if (b == 0) {
-    pose_.push_back(chain_.pose[piece_[0].middle]);
-    return;
-  }
-  pose_.push_back(compose(pose_.back(), step(b - 1, b)));
-  edge_.push_back({b - 1, b, step(b - 1, b),
-                   cpu::chain_covariance(chain_, piece_[b - 1].middle, piece_[b].middle), false});
-  const std::vector<Neighbour> near = candidates(b);
-  std::vector<PieceMatcher::Found> found(near.size());
-#pragma omp parallel for schedule(dynamic, 1) num_threads(threads_)
-  for (std::size_t k = 0; k < near.size(); ++k) {
-    const std::size_t a = near[k].piece;
-    found[k] = matcher_.match(a, b, relative(pose_[b], pose_[a]), near[k].off_m);
-  }
-  const std::size_t before = match_.size();
-  for (const PieceMatcher::Found& f : found)
-    if (f.edge && !has_rival(f, found, near)) match_.push_back({*f.edge, false});
-  counts_.tried += near.size();
-  counts_.found += match_.size() - before;
-  if (take_agreeing(before)) relax(pose_, edge_);
-}
-
-/// From piece b to each: the shortest way over the chain and the loops that are known (Dijkstra).
-std::vector<double> PieceGraph::ways_by_loops(std::size_t b) const {
-  std::vector<std::vector<std::pair<std::size_t, double>>> next(b + 1);
-  for (const PoseEdge& e : edge_) {
-    const double way_m = e.may_be_wrong ? kLoop_m : way_between_m(e.from, e.to);
-    next[e.from].push_back({e.to, way_m});
-    next[e.to].push_back({e.from, way_m});
-  }
-  std::vector<double> way_m(b + 1, std::numeric_limits<double>::infinity());
-  using Reached = std::pair<double, std::size_t>;
-  std::priority_queue<Reached, std::vector<Reached>, std::greater<>> front;
-  way_m[b] = 0.0;
-  front.push({0.0, b});
-  while (!front.empty()) {
-    const auto [here_m, at] = front.top();
-    front.pop();
-    if (here_m > way_m[at]) continue;
-    for (const auto& [to, more_m] : next[at])
-      if (here_m + more_m < way_m[to]) front.push({way_m[to] = here_m + more_m, to});
-  }
-  return way_m;
-}
-
-std::vector<Neighbour> PieceGraph::candidates(std::size_t b) const {
-  const std::vector<double> way_m = ways_by_loops(b);
-  std::vector<Neighbour> near;
-  for (std::size_t a = 0; a < b && way_between_m(a, b) >= kLeastWay_m; ++a) {
-    const double off_m = std::min(kMostOff_m, kOff_m + kOffByWay * way_m[a]);
-    const double distance_m = between_m(pose_[a], pose_[b]);
-    if (distance_m < off_m + kSeen_m) near.push_back({a, distance_m, off_m});
-  }
-  return nearest(std::move(near), kMostTried);
-}
-
-/// Whether the map of another piece close by puts the same piece elsewhere, about as well: what repeats along
-/// a corridor may be seen once from each.
-bool PieceGraph::has_rival(const PieceMatcher::Found& match, const std::vector<PieceMatcher::Found>& all,
-                           const std::vector<Neighbour>& near) const {
-  const std::size_t from = match.edge->from;
-  for (std::size_t k = 0; k < all.size(); ++k) {
-    if (near[k].piece == from || apart(near[k].piece, from) > kAgreeAcross) continue;
-    for (PieceMatcher::Fit other : all[k].places) {
-      other.pose = compose(step(from, near[k].piece), other.pose);
-      if (PieceMatcher::rivals(match.places[0], other)) return true;
-    }
-  }
-  return false;
-}
-
-/// Whether two matches of different pieces put them where the way between the pieces does.
-bool PieceGraph::agree(const PoseEdge& p, const PoseEdge& q) const {
-  if (p.to == q.to || apart(p.to, q.to) > kAgreeAcross) return false;
-  const Pose q_from =
-      apart(p.from, q.from) <= kAgreeAcross ? step(p.from, q.from) : relative(pose_[q.from], pose_[p.from]);
-  const Pose by_q = compose(compose(q_from, q.step), step(q.to, p.to));
-  const double factor = 1.0 + 0.5 * static_cast<double>(apart(p.to, q.to));
-  return close_to(by_q, p.step, factor);
-}
-
-void PieceGraph::take(Match& match) {
-  if (match.used) return;
-  match.used = true;
-  edge_.push_back(match.edge);
-  ++counts_.used;
-  const std::size_t a = match.edge.from, b = match.edge.to;
-  for (std::size_t i = a - std::min(a, kAcrossClosed); i <= a + kAcrossClosed; ++i)
-    for (std::size_t j = b - std::min(b, kAcrossClosed); j <= b + kAcrossClosed; ++j)
-      closed_.insert({std::min(i, j), std::max(i, j)});
-}
-
-/// Of the matches from `first_new` on, those with enough others that agree, and these; whether there are any.
-bool PieceGraph::take_agreeing(std::size_t first_new) {
-  const std::size_t before = counts_.used;
-  for (std::size_t k = first_new; k < match_.size(); ++k) {
-    std::vector<std::size_t> group{k};
-    std::set<std::size_t> others;
-    for (std::size_t l = 0; l < match_.size(); ++l) {
-      if (!agree(match_[k].edge, match_[l].edge)) continue;
-      group.push_back(l);
-      others.insert(match_[l].edge.to);
-    }
-    if (others.size() < kOthersToAgree) continue;
-    for (const std::size_t l : group) take(match_[l]);
-  }
-  return counts_.used > before;
-}
-
-/// Of the matches left over, those that put pieces where all loops together do.
-bool PieceGraph::take_confirmed() {
-  const std::size_t before = counts_.used;
-  for (Match& match : match_) {
-    const Pose seen = relative(pose_[match.edge.to], pose_[match.edge.from]);
-    if (before > 0 && close_to(seen, match.edge.step, kConfirmed)) take(match);
-  }
-  return counts_.used > before;
-}
-
-std::vector<Pose> PieceGraph::path() const {
-  std::vector<Pose> path;
-  for (std::size_t r = 0; r < piece_.size(); ++r)
-    for (std::size_t k = piece_[r].begin; k < piece_[r].end; ++k) {
-      const std::size_t middle = piece_[r].middle;
-      const auto seen_from = [&](std::size_t piece) {
-        return compose(pose_[piece], relative(chain_.pose[k], chain_.pose[piece_[piece].middle]));
-      };
-      Pose p = seen_from(r);
-      const bool back = k < middle;
-      if (back ? r > 0 : r + 1 < piece_.size()) {
-        const std::size_t beside = back ? r - 1 : r + 1;
-        const Pose q = seen_from(beside);
-        const double part =
-            static_cast<double>(apart(k, middle)) / static_cast<double>(apart(piece_[beside].middle, middle));
-        p = {p.x_m + part * (q.x_m - p.x_m), p.y_m + part * (q.y_m - p.y_m),
-             wrap64(p.theta_rad + part * wrap64(q.theta_rad - p.theta_rad))};
-      }
-      path.push_back(p);
-    }
-  return path;
-}
-
 /// By piece: the scans that are to be matched to it, where loops are closed.
 std::vector<std::vector<std::size_t>> scans_near(const PieceGraph& graph, const std::vector<Pose>& path) {
   const std::vector<Piece>& pieces = graph.pieces();
@@ -285,10 +35,10 @@ std::vector<std::vector<std::size_t>> scans_near(const PieceGraph& graph, const 
       std::vector<Neighbour> near;
       for (std::size_t a = 0; a < pieces.size(); ++a) {
         const double distance_m = between_m(path[k], path[pieces[a].middle]);
-        if (distance_m < kNear_m && graph.closed(a, b) && graph.way_between_m(a, b) >= kLeastWay_m)
+        if (distance_m < kNear_m && graph.closed(a, b) && graph.way_between_m(a, b) >= cpu::kLeastWay_m)
           near.push_back({a, distance_m, 0.0});
       }
-      for (const Neighbour& n : nearest(std::move(near), kPiecesByScan)) scans[n.piece].push_back(k);
+      for (const Neighbour& n : cpu::nearest(std::move(near), kPiecesByScan)) scans[n.piece].push_back(k);
     }
   return scans;
 }
@@ -344,12 +94,19 @@ class Refinement {
 
 }  // namespace
 
-ClosedWay close_loops(const SlamConfig& config, const ScannedWay& way, int threads) {
+ClosedWay close_loops(const SlamConfig& config, const ScannedWay& way, int threads,
+                      const std::function<void(double fraction)>& watch) {
   ClosedWay closed{way.path, {}};
   if (way.path.empty()) return closed;
   const int team = threads > 0 ? threads : omp_get_num_procs();
-  const ScanChain chain = cpu::chain_scans(config, way);
-  const PieceGraph graph(config, way.scans, chain, team);
+  // Of the time, about: the chain takes a third, the graph most of the rest.
+  const auto part = [&](double from, double to) {
+    return [&watch, from, to](double fraction) {
+      if (watch) watch(from + (to - from) * fraction);
+    };
+  };
+  const ScanChain chain = cpu::chain_scans(config, way, part(0.0, 0.35));
+  const PieceGraph graph(config, way.scans, chain, team, part(0.35, 0.9));
   closed.counts = graph.counts();
   if (closed.counts.used == 0) return closed;
   closed.path = graph.path();

@@ -78,7 +78,8 @@ Pose pose_of(const SlamPose& p) {
   return {double{p.x}, double{p.y}, wrap64(double{p.theta})};
 }
 
-ScanChain chain_scans(const SlamConfig& config, const ScannedWay& way) {
+ScanChain chain_scans(const SlamConfig& config, const ScannedWay& way,
+                      const std::function<void(double fraction)>& watch) {
   const std::size_t count = way.path.size();
   ScanChain chain{{}, std::vector<float>(count, 1.0f), std::vector<double>(count, 0.0)};
   Matcher matcher(config, way.scans);
@@ -96,6 +97,7 @@ ScanChain chain_scans(const SlamConfig& config, const ScannedWay& way) {
       chain.pose.push_back(now);
     }
     matcher.draw(chain.pose, k);
+    if (watch) watch(static_cast<double>(k + 1) / static_cast<double>(count));
   }
   return chain;
 }

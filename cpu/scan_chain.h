@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstddef>
+#include <functional>
 #include <vector>
 
 #include "common/flow/pose_algebra.h"
@@ -18,7 +19,9 @@ struct ScanChain {
 
 /// Each scan matched to a local map of the last ones, from where the particle or else the odometry says. What
 /// a loop that was closed wrongly, or with a step, did to the particle's way is not in it.
-ScanChain chain_scans(const SlamConfig& config, const ScannedWay& way);
+/// `watch`, told how much of it is done, may be empty.
+ScanChain chain_scans(const SlamConfig& config, const ScannedWay& way,
+                      const std::function<void(double fraction)>& watch);
 
 /// Scans [begin, end) in a row, and the one in the middle for whose pose they stand.
 struct Piece {

@@ -162,7 +162,10 @@ int run(const SlamOptions& o, const std::string& typed) {
   {
     Progress progress(Progress::style_here(o.quiet));
     std::optional<Progress> closing;
-    request.closing = [&] { closing.emplace(Progress::style_here(o.quiet)).update(0.0, "closing loops"); };
+    request.closing = [&](double fraction) {
+      if (!closing) closing.emplace(Progress::style_here(o.quiet));
+      closing->update(fraction, "closing loops");
+    };
     request.progress = [&](double fraction, std::size_t scans) {
       progress.update(fraction,
                       fmt::format("{} scans{}", scans, o.live ? ", see " + out.final_path(kLivePage) : ""));

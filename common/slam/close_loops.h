@@ -1,6 +1,7 @@
 // Closing loops after the fact: what is left over of a way's error, distributed over it with a pose graph.
 #pragma once
 
+#include <functional>
 #include <vector>
 
 #include "common/math/pose.h"
@@ -25,7 +26,9 @@ struct ClosedWay {
 
 /// Deterministic, the same bits at any number of threads (0: all cores). Defined in cpu/close_loops.cpp: it
 /// works in host memory, whatever the backend.
-ClosedWay close_loops(const SlamConfig& config, const ScannedWay& way, int threads);
+/// `watch` may be empty; it is told how much is done, 0 to 1, and what it throws ends the work.
+ClosedWay close_loops(const SlamConfig& config, const ScannedWay& way, int threads,
+                      const std::function<void(double fraction)>& watch = {});
 
 /// The map that the scans draw from there.
 SlamCells drawn_map(const SlamConfig& config, const std::vector<BeamTable>& scans,

@@ -150,7 +150,7 @@ struct GridSlam::State {
   /// By step: the best particle's poses ...
   std::vector<Pose> path() const { return paths.path(best()); }
   /// ... and with loops closed.
-  const ClosedWay& closed_way();
+  const ClosedWay& closed_way(const std::function<void(double fraction)>& watch = {});
   Trajectory along(const std::vector<Pose>& path) const;
   /// The map to show, of the best particle or with loops closed.
   SlamCells cells();
@@ -207,8 +207,9 @@ void GridSlam::State::load(ByteReader& r) {
   moments = r.get_each(41, get_moment);
   odometry_of = r.get_each(24, get_pose);
   records = r.get_each(33, get_record);
-  paths.load(r);
-  sub_maps.load(r, backend->save().span);
+  const TileSpan span = backend->save().span;
+  paths.load(r, [&](const Pose& p) { return on_map(span, config.slam.resolution, p.x_m, p.y_m); });
+  sub_maps.load(r, span);
   if (scan_odometry) scan_odometry->restore(get_scan_odometry(r));
   closed.reset();
   if (config.slam.close_loops) scans = r.get_each(84, get_beams);
@@ -285,8 +286,8 @@ SlamCells GridSlam::State::cells_of(std::size_t particle) const {
   return cells;
 }
 
-const ClosedWay& GridSlam::State::closed_way() {
-  if (!closed) closed = close_loops(config.slam, {path(), odometry_of, scans}, config.threads);
+const ClosedWay& GridSlam::State::closed_way(const std::function<void(double fraction)>& watch) {
+  if (!closed) closed = parloc::close_loops(config.slam, {path(), odometry_of, scans}, config.threads, watch);
   return *closed;
 }
 
@@ -310,6 +311,10 @@ Trajectory GridSlam::trajectory_so_far() const {
   return state_->records.empty() ? Trajectory{} : state_->along(state_->path());
 }
 
+void GridSlam::close_loops(const std::function<void(double fraction)>& watch) const {
+  State& s = *state_;
+  if (s.config.slam.close_loops && !s.records.empty()) s.closed_way(watch);
+}
 std::optional<LoopCounts> GridSlam::loops() const {
   State& s = *state_;
   if (!s.config.slam.close_loops) return std::nullopt;

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <cstddef>
+#include <functional>
 #include <memory>
 #include <optional>
 #include <string>
@@ -68,6 +69,9 @@ class GridSlam {
   Trajectory trajectory() const;
   /// Its map, cropped to what is known; with slam.close_loops drawn anew along that trajectory.
   GridMap map() const;
+  /// Closes the loops now, if they are to be closed. `watch` is told how much is done, 0 to 1; what it throws
+  /// ends that, as if it had not been asked for.
+  void close_loops(const std::function<void(double fraction)>& watch) const;
   /// The same as the particle has them, whatever slam.close_loops says; for pictures on the way.
   Trajectory trajectory_so_far() const;
   GridMap map_so_far() const;

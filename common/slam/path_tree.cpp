@@ -74,7 +74,7 @@ void PathTree::save(ByteWriter& w) const {
   for (const std::uint32_t at : tip_) w.put(place_of(at));
 }
 
-void PathTree::load(ByteReader& r) {
+void PathTree::load(ByteReader& r, const std::function<bool(const Pose&)>& on_map) {
   free_.clear();
   steps_ = r.get<std::uint32_t>();
   node_ = r.get_each(28, [](ByteReader& in) {
@@ -83,6 +83,7 @@ void PathTree::load(ByteReader& r) {
   });
   for (std::size_t k = 0; k < node_.size(); ++k) {
     Node& node = node_[k];
+    r.expect(on_map(node.pose), "ways on the map");
     if (node.parent == kNone) continue;
     r.expect(node.parent < k, "ways whose beginning comes first");
     node.step = node_[node.parent].step + 1;

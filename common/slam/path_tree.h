@@ -4,6 +4,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <functional>
 #include <vector>
 
 #include "common/math/pose.h"
@@ -32,8 +33,9 @@ class PathTree {
   std::size_t steps() const { return steps_; }
   std::size_t nodes() const { return node_.size() - free_.size(); }
   void save(ByteWriter& w) const;
-  /// What save() wrote, of as many particles. Throws Error{input}.
-  void load(ByteReader& r);
+  /// What save() wrote, of as many particles; a pose for which on_map is false cannot be. Throws
+  /// Error{input}.
+  void load(ByteReader& r, const std::function<bool(const Pose&)>& on_map);
 
  private:
   std::uint32_t make(const Node& node);

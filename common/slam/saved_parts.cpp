@@ -59,17 +59,20 @@ TileSpan get_span(ByteReader& r) {
 
 /// Where the particles are, the tables reach: the next step begins there.
 void check_poses(const ByteReader& r, const SlamSnapshot& s, double resolution_m) {
-  const double tile_m = kTileCells * resolution_m;
-  const auto within = [&](float v, std::int32_t first, std::int32_t size) {
-    return size == 0 ? v == 0.0f : v >= first * tile_m && v <= (first + size) * tile_m;
-  };
   for (std::size_t k = 0; k < s.x.size(); ++k)
-    r.expect(within(s.x[k], s.span.first_i, s.span.width) && within(s.y[k], s.span.first_j, s.span.height) &&
-                 std::fabs(s.theta[k]) < 10.0f,
+    r.expect(on_map(s.span, resolution_m, double{s.x[k]}, double{s.y[k]}) && std::fabs(s.theta[k]) < 10.0f,
              "particles on their maps");
 }
 
 }  // namespace
+
+bool on_map(const TileSpan& span, double resolution_m, double x_m, double y_m) {
+  const double tile_m = kTileCells * resolution_m;
+  const auto within = [&](double v, std::int32_t first, std::int32_t size) {
+    return size == 0 ? v == 0.0 : v >= first * tile_m && v <= (first + size) * tile_m;
+  };
+  return within(x_m, span.first_i, span.width) && within(y_m, span.first_j, span.height);
+}
 
 void put_pose(ByteWriter& w, const Pose& pose) {
   w.put(pose.x_m), w.put(pose.y_m), w.put(pose.theta_rad);

@@ -32,6 +32,9 @@ ScanOdometryState get_scan_odometry(ByteReader& r);
 void put_tile(ByteWriter& w, const Tile& tile);
 Tile get_tile(ByteReader& r);
 
+/// Whether tables of that span reach there.
+bool on_map(const TileSpan& span, double resolution_m, double x_m, double y_m);
+
 /// Particles, and their maps: each tile once, named by its place in the file, whatever it is called in the
 /// backend's memory.
 void put_backend(ByteWriter& w, const SlamBackend& backend);

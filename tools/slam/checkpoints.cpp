@@ -43,12 +43,17 @@ void Checkpoints::restore(tools::EvenSample<Growth>& growth) {
 }
 
 bool Checkpoints::has_next(std::size_t scans) const {
-  if (scans == from_.scans && scans > 0 && log_.digest() != from_.digest) throw another_log(request_, from_);
+  expect_same(scans);
   return scans < from_.scans;
 }
 
 void Checkpoints::expect_passed(std::size_t scans) const {
-  if (scans <= from_.scans) throw another_log(request_, from_);
+  if (scans < from_.scans) throw another_log(request_, from_);
+  expect_same(scans);
+}
+
+void Checkpoints::expect_same(std::size_t scans) const {
+  if (scans == from_.scans && scans > 0 && log_.digest() != from_.digest) throw another_log(request_, from_);
 }
 
 void Checkpoints::write_when_due(const GridSlam& slam, const Mapping& m, const std::vector<Growth>& growth) {

@@ -36,6 +36,7 @@ class Checkpoints {
   double wall_s() const;
 
  private:
+  void expect_same(std::size_t scans) const;
   using Clock = std::chrono::steady_clock;
 
   const MapRequest& request_;

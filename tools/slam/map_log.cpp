@@ -19,9 +19,23 @@ double seconds_since(Clock::time_point start) {
   return std::chrono::duration<double>(Clock::now() - start).count();
 }
 
-/// Loops are left open by a break: who breaks off does not want to wait.
-void finish(const GridSlam& slam, const MapRequest& request, Mapping& m) {
-  if (!m.interrupted && request.closing && slam.config().slam.close_loops) request.closing();
+struct Stopped {};
+
+/// Whether it got to the end of that.
+bool close_loops(const GridSlam& slam, const MapRequest& request) {
+  try {
+    slam.close_loops([&](double fraction) {
+      if (request.closing) request.closing(fraction);
+      if (request.stop && request.stop()) throw Stopped();
+    });
+  } catch (const Stopped&) {
+    return false;
+  }
+  return true;
+}
+
+/// A break leaves loops open: who breaks off does not want to wait.
+void finish(const GridSlam& slam, Mapping& m) {
   m.map = m.interrupted ? slam.map_so_far() : slam.map();
   m.trajectory = m.interrupted ? slam.trajectory_so_far() : slam.trajectory();
   m.digest = m.interrupted ? slam.digest_so_far() : slam.digest();
@@ -75,7 +89,7 @@ Mapping map_log(LogReader& source, const MapRequest& request) {
     more = scans.next(record);
   }
   if (!more) checkpoints.expect_passed(m.scans);
-  m.interrupted = more;
+  m.interrupted = more || !close_loops(slam, request);
   m.warnings = log.warnings();
   m.log_s = latest_s - earliest_s;
   if (m.scans == 0) return m;
@@ -87,7 +101,7 @@ Mapping map_log(LogReader& source, const MapRequest& request) {
         "expected a scan with enough beams to map, found none in " + std::to_string(m.scans) + " scans");
   growth.finish([&] { return growth_of(slam, m.scans); });
   m.growth = growth.take();
-  finish(slam, request, m);
+  finish(slam, m);
   m.wall_s = checkpoints.wall_s();
   return m;
 }

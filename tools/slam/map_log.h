@@ -25,9 +25,10 @@ struct MapRequest {
   std::function<void(double fraction, std::size_t scans)> progress;  ///< After every scan; may be empty.
   /// After every scan that was taken in; may be empty. `scans` were read.
   std::function<void(const GridSlam& slam, std::size_t scans)> watch;
-  bool odometry_chosen = false;      ///< From the scans, since the recorded one never moves.
-  std::function<void()> closing;     ///< Before loops are closed, which takes a while; may be empty.
-  std::function<bool()> stop;        ///< Asked before every scan; may be empty. True ends the work early.
+  bool odometry_chosen = false;                  ///< From the scans, since the recorded one never moves.
+  std::function<void(double fraction)> closing;  ///< While loops are closed; may be empty.
+  /// Asked before every scan, and while loops are closed; may be empty. True ends the work early.
+  std::function<bool()> stop;
   std::string checkpoint;            ///< Where the state is written when the work ends early; empty: nowhere.
   double checkpoint_every_s = 0.0;   ///< ... and how often besides, of wall time; 0: not.
   SlamCheckpoint* resume = nullptr;  ///< Goes on from there, with `config`; the log from its beginning.

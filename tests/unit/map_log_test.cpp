@@ -1,0 +1,58 @@
+// `parloc slam` broken off while it closes loops: the particle's map, and a checkpoint that ends where a run
+// without a break does.
+#include "tools/slam/map_log.h"
+
+#include <gtest/gtest.h>
+
+#include <filesystem>
+
+#include "tests/unit/small_drive.h"
+#include "tests/unit/temp_file.h"
+
+namespace parloc::slam {
+namespace {
+
+MapRequest request_of(const std::string& log, const std::string& checkpoint) {
+  MapRequest request;
+  request.log_name = log;
+  request.checkpoint = checkpoint;
+  request.config.backend = BackendChoice::cpu;
+  request.config.slam.particles = 3;
+  request.config.slam.update_min_d = 0.1;
+  return request;
+}
+
+TEST(MapLog, ABreakWhileLoopsAreClosedLeavesThemOpen) {
+  const test::TempFile log("drive.log", carmen_log_of(test::small_drive(test::small_room(), 60)));
+  const test::TempFile checkpoint("checkpoint");
+  MapRequest request = request_of(log.path(), checkpoint.path());
+  const Mapping whole = map_log(*open_carmen_log(log.path()), request);
+  ASSERT_FALSE(whole.interrupted);
+  ASSERT_TRUE(whole.loops.has_value());
+
+  double done = 0.0;
+  request.closing = [&](double fraction) {
+    EXPECT_GE(fraction, done);
+    done = fraction;
+  };
+  request.stop = [&] { return done > 0.5; };
+  const Mapping broken = map_log(*open_carmen_log(log.path()), request);
+  EXPECT_TRUE(broken.interrupted);
+  EXPECT_LT(done, 1.0);
+  EXPECT_EQ(broken.scans, whole.scans);
+  EXPECT_EQ(broken.trajectory.size(), whole.trajectory.size());
+  EXPECT_FALSE(broken.loops.has_value());
+  ASSERT_TRUE(std::filesystem::exists(checkpoint.path()));
+
+  SlamCheckpoint from(checkpoint.path());
+  MapRequest again = request_of(log.path(), {});
+  again.resume = &from;
+  const Mapping resumed = map_log(*open_carmen_log(log.path()), again);
+  EXPECT_FALSE(resumed.interrupted);
+  EXPECT_EQ(resumed.digest, whole.digest);
+  EXPECT_EQ(resumed.resumed_at, whole.scans);
+  EXPECT_EQ(resumed.growth.size(), whole.growth.size());
+}
+
+}  // namespace
+}  // namespace parloc::slam
