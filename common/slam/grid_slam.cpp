@@ -346,6 +346,7 @@ GridMap GridSlam::State::cropped(const SlamCells& cells) const {
   map.resolution_m = config.slam.resolution;
   map.T_map_grid = {(cells.first_i + i0) * map.resolution_m, (cells.first_j + j0) * map.resolution_m, 0.0};
   map.name = "slam";
+  map.cells.reserve(static_cast<std::size_t>(map.width) * static_cast<std::size_t>(map.height));
   for (std::int32_t j = j0; j <= j1; ++j)
     for (std::int32_t i = i0; i <= i1; ++i) {
       const CellWord w = word(i, j);

@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "common/error.h"
+#include "common/map/map_limits.h"
 
 namespace parloc {
 
@@ -79,8 +80,28 @@ TileSpan reached_tiles(const std::vector<float>& x, const std::vector<float>& y,
   return {low(*x0), low(*y0), high(*x1) - low(*x0), high(*y1) - low(*y0)};
 }
 
+namespace {
+
+/// A map that is larger cannot be written, nor held: odometry that jumps must not ask for it.
+void expect_a_map(std::int32_t first, std::int32_t size, const std::vector<float>& at, double reach_m,
+                  double resolution_m) {
+  const double tile_m = kTileCells * resolution_m, most_m = kMaxMapSide * resolution_m;
+  const auto [low, high] = std::minmax_element(at.begin(), at.end());
+  const double from_m = std::min(double{*low} - reach_m, size > 0 ? first * tile_m : double{*low});
+  const double to_m = std::max(double{*high} + reach_m, size > 0 ? (first + size) * tile_m : double{*high});
+  if (!(to_m - from_m <= most_m && std::fabs(from_m) <= most_m && std::fabs(to_m) <= most_m))
+    throw Error(ErrorKind::input,
+                fmt::format("slam: expected a place of at most {:.0f} m ({} cells of {} m), found poses that "
+                            "are {:.6g} m apart: does the odometry jump?",
+                            most_m, kMaxMapSide, resolution_m, to_m - from_m - 2.0 * reach_m));
+}
+
+}  // namespace
+
 TileSpan grown_span(const TileSpan& span, const std::vector<float>& x, const std::vector<float>& y,
                     double reach_m, double resolution_m) {
+  expect_a_map(span.first_i, span.width, x, reach_m, resolution_m);
+  expect_a_map(span.first_j, span.height, y, reach_m, resolution_m);
   const TileSpan near = reached_tiles(x, y, reach_m, resolution_m);
   const std::int32_t i0 = near.first_i, i1 = i0 + near.width, j0 = near.first_j, j1 = j0 + near.height;
   const std::int32_t end_i = span.first_i + span.width, end_j = span.first_j + span.height;

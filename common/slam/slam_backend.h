@@ -84,6 +84,7 @@ void inherit(std::vector<float>& values, const std::vector<std::uint32_t>& ances
 TileSpan reached_tiles(const std::vector<float>& x, const std::vector<float>& y, double reach_m,
                        double resolution_m);
 /// A span that holds `span` and everything within `reach_m` of the poses, with room to spare if it must grow.
+/// Throws Error{input} for one that no map can have.
 TileSpan grown_span(const TileSpan& span, const std::vector<float>& x, const std::vector<float>& y,
                     double reach_m, double resolution_m);
 /// What of the tables' places in one span they have in another.
