@@ -90,6 +90,7 @@ FilterConfig config(int memory_mib, int threads = 1) {
   c.slam.max_beams = 90;
   c.slam.usable_range = 7.0;
   c.slam.memory_mib = memory_mib;
+  c.slam.close_loops = false;  // the maps of the particles are looked at
   c.motion.alpha1 = c.motion.alpha2 = c.motion.alpha3 = c.motion.alpha4 =
       0.03;  // good wheels: the loop closes
   c.slam.motion_floor_xy = 0.003, c.slam.motion_floor_theta = 0.001;
