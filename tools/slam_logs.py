@@ -3,8 +3,8 @@
 
     tools/slam_logs.py [--parts P ...] [--logs L ...] [--seeds N] [--name PAGE] [--jobs K] [--out DIR] [--parloc FILE]
 
-Every log that has relations, by parts: what the bars ask for; few particles, with their loops closed and with a wide search; no odometry;
-the proposals; resampling only when it is needed or at every scan; many particles. The relation error is that of Kuemmerle et al. 2009. Needs
+Every log that has relations, by parts: what the bars ask for; few particles; no odometry; and of particles alone, without loops that
+are closed afterwards: the proposals, resampling only when it is needed or at every scan, few with a wide search, many. The relation error is that of Kuemmerle et al. 2009. Needs
 Python 3.10, a built program and the folder of the logs (PARLOC_DATA, else ../shared/data).
 
 Exit code: 0 all bars kept, 1 a bar missed, 2 wrong usage or a missing file, 3 a run of parloc failed, 130 interrupted.
@@ -33,13 +33,15 @@ OPEN = {"close_loops": False}  # what the particles alone make of it
 # By part: title, seeds (0: as many as are asked for), and its variations: a name and settings of `slam:`. 30 particles, scan_match,
 # resampling by N_eff, and loops that are closed afterwards are the defaults.
 PARTS = {
-    "bars": ("30 particles", 0, {"loops closed": {}, "particles alone": OPEN}),
-    "few": ("Few particles", 3, {f"{n} particle{'s' * (n > 1)}{text}": {"particles": n, **more} for n in (1, 2, 4) for text, more in
-                                 ((", loops closed", {}), (" alone", OPEN), (" alone, wide search", OPEN | SEARCH))}),
-    "scans": ("No odometry: from the scans alone, 30 particles", 3,
-              {"loops closed": {"odometry": "scans"}, "particles alone": {"odometry": "scans", **OPEN}}),
+    "bars": ("30 particles", 0, {"": {}}),
+    "few": ("Few particles", 3, {f"{n} particle{'s' * (n > 1)}": {"particles": n} for n in (1, 2, 4)}),
+    "scans": ("No odometry: from the scans alone", 3, {"30 particles": {"odometry": "scans"}, "1 particle": {"odometry": "scans", "particles": 1}}),
     "proposals": ("Proposals: 30 particles alone", 0, {name: {"proposal": name, **OPEN} for name in ("motion", "scan_match", "gaussian")}),
     "resampling": ("Resampling: 30 particles alone", 0, {"N_eff < N / 2": OPEN, "every scan": {"resample_threshold": 1, **OPEN}}),
+    "search": ("Few particles alone, with and without a wide search (0.5 m, 0.2 rad)", 3,
+               {f"{n} particle{'s' * (n > 1)}{text}": {"particles": n, **OPEN, **more} for n in (1, 2, 4)
+                for text, more in (("", {}), (", search", SEARCH))}),
+    "scans_alone": ("No odometry: from the scans alone, 30 particles alone", 3, {"scans": {"odometry": "scans", **OPEN}}),
     "many": ("Many particles alone", 1, {f"{n} particles": {"particles": n, **OPEN} for n in (30, 100, 300, MEMORY_PARTICLES)}),
 }
 
