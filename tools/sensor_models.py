@@ -144,6 +144,7 @@ def nees(args, program, work):
                 tasks += [((scene, model, beams, seed), lambda s=scene, k=seed, m=model, b=beams: {
                     **bench.run(s, k, f"{m}_{b}", {"model": m, "effective_beams": b}), "model": m, "sweep": True})
                     for beams in numbers]
+    where = measuring.circumstances(program)  # before a break, after which nothing is run any more
     results, end = measuring.measure(program, args.jobs, tasks, lambda key, run: (
         f"{key}: NEES {number(run['nees_mean'])}, RMSE {100 * run['rmse_m']:.1f} cm"))
     low, high = (bound / seeds for bound in CHI_SQUARE[seeds])
@@ -158,7 +159,7 @@ def nees(args, program, work):
             defaults=table(NEES_HEADER, nees_rows(own, keys(own), seeds)),
             sweep=table(NEES_HEADER, nees_rows(swept, keys(swept), seeds))) + "\n" + measuring.circumstances_text(record)
 
-    return measuring.finish(args, "nees", measuring.circumstances(program), len(tasks), results, end, page)
+    return measuring.finish(args, "nees", where, len(tasks), results, end, page)
 
 
 # ---- clutter -------------------------------------------------------------------------------------------------------------
@@ -195,6 +196,7 @@ def clutter(args, program, work):
         shares[seed] = bench.simulate("clutter", seed)
     tasks = [((model, scene, seed), lambda m=model, s=scene, k=seed: bench.run(s, k, m, settings_of(m)))
              for model in CLUTTER_MODELS for seed in seeds for scene in ("office", "clutter")]
+    where = measuring.circumstances(program)  # before a break, after which nothing is run any more
     results, end = measuring.measure(program, args.jobs, tasks, lambda key, run: (
         f"{key[0]}, {key[1]}, seed {key[2]}: RMSE {100 * run['rmse_m']:.1f} cm, maximum {run['max_m']:.2f} m"))
     for (model, scene, seed), run in results.items():
@@ -229,7 +231,7 @@ def clutter(args, program, work):
                            "worst, times clean"), summary),
             every=table(("seed", "share", *CLUTTER_MODELS), every)) + "\n" + measuring.circumstances_text(record)
 
-    return measuring.finish(args, "clutter", measuring.circumstances(program), len(tasks), results, end, page)
+    return measuring.finish(args, "clutter", where, len(tasks), results, end, page)
 
 
 # ---- Command line ----------------------------------------------------------------------------------------------------------

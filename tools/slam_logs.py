@@ -149,8 +149,9 @@ def run(args, program, work):
     tasks = [(key, lambda key=key: one_run(program, work, *key)) for key in keys]
     if args.jobs > 1:
         print("slam_logs.py: with several runs at a time none has its own time", file=sys.stderr)
-    results, end = measuring.measure(program, args.jobs, tasks, text_of)
+    # Before a break, after which nothing is run any more.
     record = measuring.circumstances(program) | {"parts": args.parts, "seeds": args.seeds}
+    results, end = measuring.measure(program, args.jobs, tasks, text_of)
     code = measuring.finish(args, args.name, record, len(keys), results, end, page)
     return code or (0 if all(holds for _, _, holds in judged({**record, "runs": list(results.values())})) else 1)
 
