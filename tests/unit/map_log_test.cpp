@@ -29,6 +29,8 @@ TEST(MapLog, ABreakWhileLoopsAreClosedLeavesThemOpen) {
   const Mapping whole = map_log(*open_carmen_log(log.path()), request);
   ASSERT_FALSE(whole.interrupted);
   ASSERT_TRUE(whole.loops.has_value());
+  ASSERT_TRUE(whole.resident_bytes.has_value());
+  EXPECT_GT(*whole.resident_bytes, whole.memory.most_tile_bytes);
 
   double done = 0.0;
   request.closing = [&](double fraction) {

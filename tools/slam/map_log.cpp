@@ -7,6 +7,7 @@
 
 #include "common/error.h"
 #include "tools/even_sample.h"
+#include "tools/peak_memory.h"
 #include "tools/scan_stream.h"
 #include "tools/slam/checkpoints.h"
 
@@ -43,6 +44,7 @@ void finish(const GridSlam& slam, Mapping& m) {
   m.records = slam.records();
   m.distinct = slam.distinct_ancestors();
   m.memory = slam.memory();
+  m.resident_bytes = tools::peak_resident_bytes();
   m.lidars = slam.lidars_used();
   m.config = slam.config();
   m.backend = slam.backend_name();

@@ -46,6 +46,7 @@ struct Mapping {
   std::size_t scans = 0;              ///< Read from the log.
   std::size_t resumed_at = 0;         ///< So many of these were done before the checkpoint.
   SlamMemory memory;
+  std::optional<std::size_t> resident_bytes;  ///< Of the program, at most; where the system says so.
   std::vector<LidarUse> lidars;
   LogWarnings warnings;
   ScanTimes times;

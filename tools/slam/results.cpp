@@ -21,13 +21,16 @@ using Json = nlohmann::ordered_json;
 
 constexpr double kMiB = 1024.0 * 1024.0, kDegrees = 180.0 / std::numbers::pi;
 
-std::string memory_text(const SlamMemory& memory) {
+std::string memory_text(const Mapping& m) {
+  const SlamMemory& memory = m.memory;
   std::string text = fmt::format("{:.1f} MiB of tiles in use, {:.1f} at most, {:.1f} MiB of tables",
                                  static_cast<double>(memory.tile_bytes) / kMiB,
                                  static_cast<double>(memory.most_tile_bytes) / kMiB,
                                  static_cast<double>(memory.table_bytes) / kMiB);
   if (memory.sub_map_bytes > 0)
     text += fmt::format(", {:.1f} MiB handed over", static_cast<double>(memory.sub_map_bytes) / kMiB);
+  if (m.resident_bytes)
+    text += fmt::format("; the program {:.0f} MiB at most", static_cast<double>(*m.resident_bytes) / kMiB);
   return text;
 }
 
@@ -83,7 +86,7 @@ std::vector<Fact> main_facts(const SlamResults& results) {
   if (m.scan_odometry) facts.push_back({"odometry", odometry_text(*m.scan_odometry)});
   if (m.loops) facts.push_back({"loops", loops_text(*m.loops)});
   if (m.interrupted && m.config.slam.close_loops) facts.push_back({"loops", "left open by the interruption"});
-  facts.push_back({"memory", memory_text(m.memory)});
+  facts.push_back({"memory", memory_text(m)});
   facts.push_back({"time", fmt::format("{:.2f} s for {:.2f} s of log ({:.1f} times real time)", m.wall_s,
                                        m.log_s, m.real_time_factor())});
   facts.push_back({"backend", m.backend});
@@ -112,11 +115,13 @@ std::vector<std::string> warning_lines(const SlamResults& results) {
   return lines;
 }
 
-Json memory_json(const SlamMemory& memory) {
+Json memory_json(const Mapping& m) {
+  const SlamMemory& memory = m.memory;
   return {{"tile_bytes", memory.tile_bytes},
           {"most_tile_bytes", memory.most_tile_bytes},
           {"table_bytes", memory.table_bytes},
-          {"sub_map_bytes", memory.sub_map_bytes}};
+          {"sub_map_bytes", memory.sub_map_bytes},
+          {"resident_bytes", m.resident_bytes ? Json(*m.resident_bytes) : Json(nullptr)}};
 }
 
 Json truth_json(const std::optional<TrackErrors>& errors) {
@@ -211,7 +216,7 @@ std::string metrics_json(const SlamResults& results) {
   json["distinct_ancestors"] = m.distinct;  // by scan taken in
   json["ancestors_at_quarters"] = quarters(m.distinct);
   json["map"] = {{"width", m.map.width}, {"height", m.map.height}, {"resolution_m", m.map.resolution_m}};
-  json["memory"] = memory_json(m.memory);
+  json["memory"] = memory_json(m);
   json["wall_s"] = m.wall_s;
   json["log_s"] = m.log_s;
   json["real_time_factor"] = m.real_time_factor();
