@@ -3,7 +3,6 @@
 #include <omp.h>
 
 #include <algorithm>
-#include <cmath>
 
 #include "common/filter/bind.h"
 #include "cpu/draft_map.h"
@@ -23,9 +22,6 @@ constexpr std::size_t kLeastHits = 60;
 constexpr float kLeastFit = 0.55f;
 constexpr double kScan_m = 0.03, kScan_rad = 0.006;
 
-double between_m(const Pose& a, const Pose& b) {
-  return std::sqrt((b.x_m - a.x_m) * (b.x_m - a.x_m) + (b.y_m - a.y_m) * (b.y_m - a.y_m));
-}
 /// By piece: the scans that are to be matched to it, where loops are closed.
 std::vector<std::vector<std::size_t>> scans_near(const PieceGraph& graph, const std::vector<Pose>& path) {
   const std::vector<Piece>& pieces = graph.pieces();
@@ -34,9 +30,9 @@ std::vector<std::vector<std::size_t>> scans_near(const PieceGraph& graph, const 
     for (std::size_t k = pieces[b].begin; k < pieces[b].end; ++k) {
       std::vector<Neighbour> near;
       for (std::size_t a = 0; a < pieces.size(); ++a) {
-        const double distance_m = between_m(path[k], path[pieces[a].middle]);
-        if (distance_m < kNear_m && graph.closed(a, b) && graph.way_between_m(a, b) >= cpu::kLeastWay_m)
-          near.push_back({a, distance_m, 0.0});
+        const double apart_m = distance_m(path[k], path[pieces[a].middle]);
+        if (apart_m < kNear_m && graph.closed(a, b) && graph.way_between_m(a, b) >= cpu::kLeastWay_m)
+          near.push_back({a, apart_m, 0.0});
       }
       for (const Neighbour& n : cpu::nearest(std::move(near), kPiecesByScan)) scans[n.piece].push_back(k);
     }
@@ -113,7 +109,8 @@ ClosedWay close_loops(const SlamConfig& config, const ScannedWay& way, int threa
   const Refinement refinement(config, way.scans, chain, team);
   for (int k = 0; k < kRefinements; ++k) refinement.run(graph, closed.path);
   for (std::size_t k = 0; k < way.path.size(); ++k)
-    closed.counts.most_moved_m = std::max(closed.counts.most_moved_m, between_m(closed.path[k], way.path[k]));
+    closed.counts.most_moved_m =
+        std::max(closed.counts.most_moved_m, distance_m(closed.path[k], way.path[k]));
   return closed;
 }
 

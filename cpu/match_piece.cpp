@@ -28,10 +28,6 @@ constexpr double kStep_m = 0.1, kStep_rad = 0.02;
 constexpr int kSteps = 5, kTurns = 2;
 constexpr double kFloor_m = 0.03, kFloor_rad = 0.006;  // of the spread: what a match is worth at best
 
-double between_m(const Pose& a, const Pose& b) {
-  return std::sqrt((b.x_m - a.x_m) * (b.x_m - a.x_m) + (b.y_m - a.y_m) * (b.y_m - a.y_m));
-}
-
 void add_beam(BeamTable& to, const BeamTable& from, std::size_t m, const Pose& at, float cells_per_m) {
   const SinCos64 turn = portable_sincos64(at.theta_rad);
   const auto c = static_cast<float>(turn.cos), s = static_cast<float>(turn.sin);
@@ -101,8 +97,7 @@ std::vector<PieceMatcher::Fit> PieceMatcher::best_places(const TileMap& map, std
   for (const Fit& place : places) {
     if (place.fit < places[0].fit - kWorthALook || best.size() == kMostPlaces) break;
     const bool known = std::any_of(best.begin(), best.end(), [&](const Fit& other) {
-      return between_m(other.pose, place.pose) < kApart_m &&
-             std::fabs(wrap64(other.pose.theta_rad - place.pose.theta_rad)) < kApart_rad;
+      return distance_m(other.pose, place.pose) < kApart_m && turn_rad(place.pose, other.pose) < kApart_rad;
     });
     if (known) continue;
     const ScanMatch found = match_scan(climb_, map, bind_beams(all), slam_pose(place.pose));
@@ -138,7 +133,7 @@ Matrix3 PieceMatcher::spread(const TileMap& map, const BeamTable& beams, const P
 }
 
 bool PieceMatcher::rivals(const Fit& best, const Fit& other) {
-  return other.fit > best.fit - kClearly && between_m(other.pose, best.pose) > kApart_m;
+  return other.fit > best.fit - kClearly && distance_m(other.pose, best.pose) > kApart_m;
 }
 
 PieceMatcher::Found PieceMatcher::match(std::size_t a, std::size_t b, const Pose& guess,

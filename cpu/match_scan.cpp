@@ -1,5 +1,6 @@
 #include "cpu/match_scan.h"
 
+#include "common/math/portable64.h"
 #include "cpu/parallel.h"
 #include "cpu/sum_beams.h"
 
@@ -13,6 +14,13 @@ std::size_t count_matched(const MatchRules& rules, const Beams& beams) {
 }
 
 }  // namespace
+
+SlamPose slam_pose(const Pose& p) {
+  return {static_cast<float>(p.x_m), static_cast<float>(p.y_m), static_cast<float>(p.theta_rad)};
+}
+Pose pose_of(const SlamPose& p) {
+  return {double{p.x}, double{p.y}, wrap64(double{p.theta})};
+}
 
 ScanMatch match_scan(const MatchScanRules& rules, const TileMap& map, const Beams& beams,
                      const SlamPose& start) {

@@ -3,9 +3,13 @@
 
 #include <vector>
 
+#include "common/math/pose.h"
 #include "common/slam/propose.h"
 
 namespace parloc::cpu {
+
+SlamPose slam_pose(const Pose& p);
+Pose pose_of(const SlamPose& p);
 
 struct MatchScanRules {
   MatchRules match;

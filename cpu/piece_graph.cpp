@@ -1,12 +1,9 @@
 #include "cpu/piece_graph.h"
 
 #include <algorithm>
-#include <cmath>
 #include <limits>
 #include <optional>
 #include <queue>
-
-#include "common/math/portable64.h"
 
 namespace parloc::cpu {
 namespace {
@@ -25,16 +22,12 @@ constexpr std::size_t kOthersToAgree = 2;  // of other pieces each, before any o
 constexpr std::size_t kAcrossClosed = 4;  // pieces to either side of a loop for which it is closed, too
 constexpr double kConfirmed = 3.0;        // times that close to where all loops put it: as good as agreed
 
-double between_m(const Pose& a, const Pose& b) {
-  return std::sqrt((b.x_m - a.x_m) * (b.x_m - a.x_m) + (b.y_m - a.y_m) * (b.y_m - a.y_m));
-}
 std::size_t apart(std::size_t a, std::size_t b) {
   return a > b ? a - b : b - a;
 }
 
 bool close_to(const Pose& a, const Pose& b, double factor) {
-  return between_m(a, b) < factor * kAgree_m &&
-         std::fabs(wrap64(a.theta_rad - b.theta_rad)) < factor * kAgree_rad;
+  return distance_m(a, b) < factor * kAgree_m && turn_rad(a, b) < factor * kAgree_rad;
 }
 
 }  // namespace
@@ -112,8 +105,8 @@ std::vector<Neighbour> PieceGraph::candidates(std::size_t b) const {
   std::vector<Neighbour> near;
   for (std::size_t a = 0; a < b && way_between_m(a, b) >= kLeastWay_m; ++a) {
     const double off_m = std::min(kMostOff_m, kOff_m + kOffByWay * way_m[a]);
-    const double distance_m = between_m(pose_[a], pose_[b]);
-    if (distance_m < off_m + kSeen_m) near.push_back({a, distance_m, off_m});
+    const double apart_m = distance_m(pose_[a], pose_[b]);
+    if (apart_m < off_m + kSeen_m) near.push_back({a, apart_m, off_m});
   }
   return nearest(std::move(near), kMostTried);
 }
@@ -196,8 +189,7 @@ std::vector<Pose> PieceGraph::path() const {
         const Pose q = seen_from(beside);
         const double part =
             static_cast<double>(apart(k, middle)) / static_cast<double>(apart(piece_[beside].middle, middle));
-        p = {p.x_m + part * (q.x_m - p.x_m), p.y_m + part * (q.y_m - p.y_m),
-             wrap64(p.theta_rad + part * wrap64(q.theta_rad - p.theta_rad))};
+        p = blend(p, q, part);
       }
       path.push_back(p);
     }

@@ -1,10 +1,8 @@
 #include "cpu/scan_chain.h"
 
 #include <algorithm>
-#include <cmath>
 
 #include "common/filter/bind.h"
-#include "common/math/portable64.h"
 #include "cpu/draft_map.h"
 #include "cpu/match_scan.h"
 
@@ -30,10 +28,6 @@ constexpr std::size_t kMostInPiece = 40;  // where the robot turns on the spot
 constexpr double kStep_m = 0.02, kStep_rad = 0.005, kBadly = 3.0;
 constexpr float kBadFit = 0.5f;
 
-double between_m(const Pose& a, const Pose& b) {
-  return std::sqrt((b.x_m - a.x_m) * (b.x_m - a.x_m) + (b.y_m - a.y_m) * (b.y_m - a.y_m));
-}
-
 class Matcher {
  public:
   Matcher(const SlamConfig& c, const std::vector<BeamTable>& scans)
@@ -47,7 +41,7 @@ class Matcher {
   ScanMatch match(std::size_t k, const Pose& by_particle, const Pose& by_odometry) const {
     const Beams beams = bind_beams(scans_[k]);
     ScanMatch found = match_scan(climb_, map_.view(), beams, slam_pose(by_particle));
-    if (found.fit < kGoodFit || between_m(by_particle, by_odometry) > kStartsApart_m) {
+    if (found.fit < kGoodFit || distance_m(by_particle, by_odometry) > kStartsApart_m) {
       const ScanMatch other = match_scan(climb_, map_.view(), beams, slam_pose(by_odometry));
       if (other.fit > found.fit) found = other;
     }
@@ -71,13 +65,6 @@ class Matcher {
 
 }  // namespace
 
-SlamPose slam_pose(const Pose& p) {
-  return {static_cast<float>(p.x_m), static_cast<float>(p.y_m), static_cast<float>(p.theta_rad)};
-}
-Pose pose_of(const SlamPose& p) {
-  return {double{p.x}, double{p.y}, wrap64(double{p.theta})};
-}
-
 ScanChain chain_scans(const SlamConfig& config, const ScannedWay& way,
                       const std::function<void(double fraction)>& watch) {
   const std::size_t count = way.path.size();
@@ -93,7 +80,7 @@ ScanChain chain_scans(const SlamConfig& config, const ScannedWay& way,
       const ScanMatch found = matcher.match(k, by_particle, by_odometry);
       const Pose now = found.fit > kLeastFit ? pose_of(found.pose) : by_particle;
       chain.fit[k] = found.fit;
-      chain.way_m[k] = chain.way_m[k - 1] + between_m(last, now);
+      chain.way_m[k] = chain.way_m[k - 1] + distance_m(last, now);
       chain.pose.push_back(now);
     }
     matcher.draw(chain.pose, k);

@@ -32,7 +32,4 @@ std::vector<Piece> cut_in_pieces(const ScanChain& chain);
 /// How sure the chain is of scan `to` seen from scan `from`, which is before it.
 Matrix3 chain_covariance(const ScanChain& chain, std::size_t from, std::size_t to);
 
-SlamPose slam_pose(const Pose& p);
-Pose pose_of(const SlamPose& p);
-
 }  // namespace parloc::cpu

@@ -33,13 +33,6 @@ constexpr std::size_t kMost = 60, kKept = 30;  // by LiDAR
 constexpr double kMostSteps = 2.0;             // that a prediction goes on for: robots stop
 constexpr double kShortest_s = 1e-3;           // of a step whose speed is known
 
-SlamPose slam_pose(const Pose& p) {
-  return {static_cast<float>(p.x_m), static_cast<float>(p.y_m), static_cast<float>(p.theta_rad)};
-}
-Pose pose_of(const SlamPose& p) {
-  return {double{p.x}, double{p.y}, wrap64(double{p.theta})};
-}
-
 }  // namespace
 
 struct ScanOdometry::Matcher {
@@ -74,14 +67,14 @@ Pose ScanOdometry::Matcher::predicted(double stamp_s) const {
 /// How well the scan fits near `pose`, which is then where; 0: it does not. The search is for where the climb
 /// alone does not fit well: it would also find the poses that slide along a corridor, back to what is known.
 float ScanOdometry::Matcher::match(const BeamTable& beams, Pose& pose) {
-  const SlamPose start = slam_pose(relative(pose, s.origin));
+  const SlamPose start = cpu::slam_pose(relative(pose, s.origin));
   cpu::ScanMatch found = cpu::match_scan(climb, map.view(), bind_beams(beams), start);
   if (found.fit < kGoodFit) {
     const cpu::ScanMatch searched = cpu::match_scan(near, map.view(), bind_beams(beams), start);
     if (searched.fit > found.fit) found = searched;
   }
   if (found.fit < kLeastFit) return 0.0f;
-  pose = compose(s.origin, pose_of(found.pose));
+  pose = compose(s.origin, cpu::pose_of(found.pose));
   return found.fit;
 }
 
@@ -90,11 +83,11 @@ float ScanOdometry::Matcher::match_far(const BeamTable& beams, Pose& pose, float
   for (int k = -kFarTurns; k <= kFarTurns; ++k) {
     Pose start = relative(pose, s.origin);
     start.theta_rad = wrap64(start.theta_rad + 2.0 * kFar_rad * k);
-    const cpu::ScanMatch found = cpu::match_scan(far, map.view(), bind_beams(beams), slam_pose(start));
+    const cpu::ScanMatch found = cpu::match_scan(far, map.view(), bind_beams(beams), cpu::slam_pose(start));
     if (found.fit > best.fit) best = found;
   }
   if (best.fit < least) return 0.0f;
-  pose = compose(s.origin, pose_of(best.pose));
+  pose = compose(s.origin, cpu::pose_of(best.pose));
   return best.fit;
 }
 
@@ -129,7 +122,7 @@ void ScanOdometry::Matcher::add_key(const BeamTable& beams, std::size_t lidar) {
   if (s.keys.size() > kMost * lidars)
     draw_keys(kKept * lidars);
   else
-    map.draw(bind_beams(beams), slam_pose(relative(s.pose, s.origin)));
+    map.draw(bind_beams(beams), cpu::slam_pose(relative(s.pose, s.origin)));
 }
 
 /// The local map of the last so many; its origin moves along, so that it stays small.
@@ -137,7 +130,7 @@ void ScanOdometry::Matcher::draw_keys(std::size_t kept) {
   if (s.keys.size() > kept) s.keys.erase(s.keys.begin(), s.keys.end() - static_cast<std::ptrdiff_t>(kept));
   s.origin = s.pose;
   map.clear();
-  for (const KeyScan& k : s.keys) map.draw(bind_beams(k.beams), slam_pose(relative(k.pose, s.origin)));
+  for (const KeyScan& k : s.keys) map.draw(bind_beams(k.beams), cpu::slam_pose(relative(k.pose, s.origin)));
 }
 
 ScanOdometry::ScanOdometry(const SlamConfig& config) : matcher_(std::make_unique<Matcher>(config)) {}
@@ -181,7 +174,8 @@ void ScanOdometry::restore(ScanOdometryState state) {
   Matcher& m = *matcher_;
   m.s = std::move(state);
   m.map.clear();
-  for (const KeyScan& k : m.s.keys) m.map.draw(bind_beams(k.beams), slam_pose(relative(k.pose, m.s.origin)));
+  for (const KeyScan& k : m.s.keys)
+    m.map.draw(bind_beams(k.beams), cpu::slam_pose(relative(k.pose, m.s.origin)));
 }
 
 }  // namespace parloc

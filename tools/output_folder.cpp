@@ -74,9 +74,23 @@ OutputFolder::OutputFolder(const std::string& folder, std::vector<std::string> f
       fail(final_path(file), "a folder of that name is in the way");
   }
   remove_left_over(folder_);
-  staging_ = folder_ + "/" + kStaging + "XXXXXX";
-  if (mkdtemp(staging_.data()) == nullptr) fail(folder_, std::strerror(errno));
-  lock_ = lock_folder(staging_);
+  make_staging();
+}
+
+/// Another run that starts at this moment may take the new folder for one that was left over, until it is
+/// locked: then there is another one.
+void OutputFolder::make_staging() {
+  constexpr int kTries = 10;  // more than any bad luck: the file system has no locks, and goes without
+  for (int k = 0; k < kTries; ++k) {
+    staging_ = folder_ + "/" + kStaging + "XXXXXX";
+    if (mkdtemp(staging_.data()) == nullptr) fail(folder_, std::strerror(errno));
+    lock_ = lock_folder(staging_);
+    std::error_code ignored;
+    if (lock_ >= 0 && fs::exists(staging_, ignored)) return;
+    if (k + 1 == kTries) return;
+    fs::remove(staging_, ignored);
+    if (lock_ >= 0) close(lock_);
+  }
 }
 
 OutputFolder::~OutputFolder() {

@@ -29,6 +29,8 @@ class OutputFolder {
   void publish(const std::vector<std::string>& keep = {});
 
  private:
+  void make_staging();
+
   std::string folder_;
   std::string staging_;
   int lock_ = -1;  ///< Of the staging folder, while this run lives.

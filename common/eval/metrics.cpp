@@ -55,9 +55,7 @@ class Truth {
     const StampedPose& b = *after;
     const double gap_s = b.stamp_s - a.stamp_s;
     if (gap_s > max_gap_s_) return std::nullopt;
-    const double u = (stamp_s - a.stamp_s) / gap_s;
-    return Pose{a.pose.x_m + u * (b.pose.x_m - a.pose.x_m), a.pose.y_m + u * (b.pose.y_m - a.pose.y_m),
-                wrap64(a.pose.theta_rad + u * wrap64(b.pose.theta_rad - a.pose.theta_rad))};
+    return blend(a.pose, b.pose, (stamp_s - a.stamp_s) / gap_s);
   }
 
  private:

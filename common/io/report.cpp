@@ -29,8 +29,7 @@ TimeAxis report_axis(const RunReport& report) {
 double length_m(const Trajectory& track) {
   double sum = 0.0;
   for (std::size_t k = 1; k < track.size(); ++k) {
-    const double step =
-        std::hypot(track[k].pose.x_m - track[k - 1].pose.x_m, track[k].pose.y_m - track[k - 1].pose.y_m);
+    const double step = distance_m(track[k - 1].pose, track[k].pose);
     if (drawable(step)) sum += step;
   }
   return sum;

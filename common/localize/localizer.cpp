@@ -4,7 +4,6 @@
 #include <cmath>
 
 #include "common/localize/place_judge.h"
-#include "common/math/portable64.h"
 #include "common/search/global_search.h"
 
 namespace parloc {
@@ -25,18 +24,11 @@ constexpr double kUnsettled = 0.7;
 /// A hypothesis this close to a mode is the same place.
 constexpr double kSame_m = 1.0, kSame_rad = 0.5;
 
-double turn_between(const Pose& a, const Pose& b) {
-  return std::fabs(wrap64(a.theta_rad - b.theta_rad));
-}
-double distance_between(const Pose& a, const Pose& b) {
-  const double dx = a.x_m - b.x_m, dy = a.y_m - b.y_m;
-  return std::sqrt(dx * dx + dy * dy);
-}
 bool finite(const Pose& p) {
   return std::isfinite(p.x_m) && std::isfinite(p.y_m) && std::isfinite(p.theta_rad);
 }
 bool same_place(const Pose& a, const Pose& b) {
-  return distance_between(a, b) < kSame_m && turn_between(a, b) < kSame_rad;
+  return distance_m(a, b) < kSame_m && turn_rad(a, b) < kSame_rad;
 }
 
 }  // namespace
@@ -103,8 +95,8 @@ bool Localizer::State::search_is_due(const Pose& odometry, double stamp_s) const
     return false;
   if (!searched_s) return true;
   if (std::fabs(stamp_s - *searched_s) < config.search_every_s) return false;
-  return lost || distance_between(odometry, searched_odometry) >= config.search_every_m ||
-         turn_between(odometry, searched_odometry) >= config.search_every_rad;
+  return lost || distance_m(odometry, searched_odometry) >= config.search_every_m ||
+         turn_rad(odometry, searched_odometry) >= config.search_every_rad;
 }
 
 /// Every place where this scan may have been taken, weighed by what is remembered, the most likely first.

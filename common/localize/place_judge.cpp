@@ -4,7 +4,6 @@
 #include <cmath>
 
 #include "common/math/portable.h"
-#include "common/math/portable64.h"
 
 namespace parloc {
 namespace {
@@ -14,8 +13,7 @@ constexpr double kApart_m = 0.3, kApart_rad = 0.3;
 
 bool apart(const Pose& a, const Pose& b) {
   const double dx = a.x_m - b.x_m, dy = a.y_m - b.y_m;
-  return dx * dx + dy * dy >= kApart_m * kApart_m ||
-         std::fabs(wrap64(a.theta_rad - b.theta_rad)) >= kApart_rad;
+  return dx * dx + dy * dy >= kApart_m * kApart_m || turn_rad(a, b) >= kApart_rad;
 }
 
 }  // namespace

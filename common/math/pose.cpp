@@ -1,5 +1,7 @@
 #include "common/math/pose.h"
 
+#include <cmath>
+
 #include "common/math/portable64.h"
 
 namespace parloc {
@@ -19,6 +21,20 @@ Pose relative(const Pose& a, const Pose& b) {
 
 Pose inverse(const Pose& a) {
   return relative(Pose{}, a);
+}
+
+double distance_m(const Pose& a, const Pose& b) {
+  const double dx = b.x_m - a.x_m, dy = b.y_m - a.y_m;
+  return std::sqrt(dx * dx + dy * dy);
+}
+
+double turn_rad(const Pose& a, const Pose& b) {
+  return std::fabs(wrap64(b.theta_rad - a.theta_rad));
+}
+
+Pose blend(const Pose& a, const Pose& b, double part) {
+  return {a.x_m + part * (b.x_m - a.x_m), a.y_m + part * (b.y_m - a.y_m),
+          wrap64(a.theta_rad + part * wrap64(b.theta_rad - a.theta_rad))};
 }
 
 namespace {

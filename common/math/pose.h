@@ -20,6 +20,15 @@ Pose relative(const Pose& a, const Pose& b);
 /// compose(inverse(a), a) is the identity.
 Pose inverse(const Pose& a);
 
+/// Between their places.
+double distance_m(const Pose& a, const Pose& b);
+
+/// Between their headings, 0 to pi.
+double turn_rad(const Pose& a, const Pose& b);
+
+/// `part` of the way from a to b, in a straight line and with the shorter turn; part 0 is exactly a.
+Pose blend(const Pose& a, const Pose& b, double part);
+
 /// Where a body is after `part` of a step, at constant speed and turn rate: on the circle (or line) from the
 /// identity to `step`, which turns by less than half a turn. `part` may lie outside [0, 1]. Exactly the
 /// identity for part 0 and for a step of nothing.

@@ -1,7 +1,6 @@
 #include "common/search/hypotheses.h"
 
 #include <algorithm>
-#include <cmath>
 #include <functional>
 
 #include "common/math/portable64.h"
@@ -20,8 +19,7 @@ LatticePose pose_of_key(std::uint64_t key, std::int32_t width, std::int32_t heig
 
 bool separated(const Pose& a, const Pose& b, const Separation& s) {
   const double dx = a.x_m - b.x_m, dy = a.y_m - b.y_m;
-  return dx * dx + dy * dy >= s.distance_m * s.distance_m ||
-         std::fabs(wrap64(a.theta_rad - b.theta_rad)) >= s.angle_rad;
+  return dx * dx + dy * dy >= s.distance_m * s.distance_m || turn_rad(a, b) >= s.angle_rad;
 }
 
 Pose pose_of(const LatticePose& p, std::int32_t headings, double cell_m) {

@@ -9,7 +9,6 @@
 #include "common/io/bytes.h"
 #include "common/io/config.h"
 #include "common/io/output_file.h"
-#include "common/math/portable64.h"
 #include "common/math/sha256.h"
 #include "common/slam/checkpoint_frame.h"
 #include "common/slam/close_loops.h"
@@ -29,17 +28,6 @@ struct Moment {
   std::size_t step;
   bool counted;
 };
-
-double turn_between(const Pose& a, const Pose& b) {
-  return std::fabs(wrap64(b.theta_rad - a.theta_rad));
-}
-double way_between(const Pose& a, const Pose& b) {
-  return std::sqrt((b.x_m - a.x_m) * (b.x_m - a.x_m) + (b.y_m - a.y_m) * (b.y_m - a.y_m));
-}
-Pose blend(const Pose& a, const Pose& b, double part) {
-  return {a.x_m + part * (b.x_m - a.x_m), a.y_m + part * (b.y_m - a.y_m),
-          wrap64(a.theta_rad + part * wrap64(b.theta_rad - a.theta_rad))};
-}
 
 void put_moment(ByteWriter& w, const Moment& m) {
   w.put(m.stamp_s);
@@ -124,8 +112,8 @@ struct GridSlam::State {
   std::optional<ClosedWay> closed;  ///< Of the steps so far, once it was asked for.
 
   bool far_enough(const Pose& now) const {
-    return !odometry || way_between(*odometry, now) >= config.slam.update_min_d ||
-           turn_between(*odometry, now) >= config.slam.update_min_a;
+    return !odometry || distance_m(*odometry, now) >= config.slam.update_min_d ||
+           turn_rad(*odometry, now) >= config.slam.update_min_a;
   }
   /// Puts the scan's own odometry, if so set, in place of the recorded one; whether the scan is one to take
   /// in.
@@ -275,8 +263,8 @@ Pose GridSlam::State::pose_at(const Moment& m, const std::vector<Pose>& path) co
   const Pose &before = odometry_of[m.step], &after = odometry_of[m.step + 1];
   const Pose backward = compose(path[m.step + 1], relative(m.odometry, after));
   // A radian of turning counts as a metre.
-  const double to = way_between(before, m.odometry) + turn_between(before, m.odometry);
-  const double from = way_between(m.odometry, after) + turn_between(m.odometry, after);
+  const double to = distance_m(before, m.odometry) + turn_rad(before, m.odometry);
+  const double from = distance_m(m.odometry, after) + turn_rad(m.odometry, after);
   return blend(forward, backward, to + from > 0.0 ? to / (to + from) : 0.0);
 }
 

@@ -81,6 +81,24 @@ TEST(Sha256, KnownAnswer) {
   EXPECT_EQ(sha.hex(), "ba7816bf8f01cfea414140de5dae2223b00361a396177a9cb410ff61f20015ad");
 }
 
+// Headings 3 and -3 are 2 pi - 6 apart, across pi.
+TEST(Pose, FromOneToAnother) {
+  const Pose a{1, 2, 3}, b{4, 6, -3};
+  const double turn = 2.0 * kPi - 6.0;
+  EXPECT_EQ(distance_m(a, b), 5.0);
+  EXPECT_NEAR(turn_rad(a, b), turn, 1e-15);
+  EXPECT_EQ(turn_rad(b, a), turn_rad(a, b));
+  const Pose at_a = blend(a, b, 0.0), half = blend(a, b, 0.5), at_b = blend(a, b, 1.0);
+  EXPECT_EQ(at_a.x_m, a.x_m);
+  EXPECT_EQ(at_a.y_m, a.y_m);
+  EXPECT_EQ(at_a.theta_rad, a.theta_rad);
+  EXPECT_EQ(half.x_m, 2.5);
+  EXPECT_EQ(half.y_m, 4.0);
+  EXPECT_NEAR(turn_rad(a, half), 0.5 * turn, 1e-15);
+  EXPECT_NEAR(turn_rad(half, b), 0.5 * turn, 1e-15);
+  EXPECT_NEAR(at_b.theta_rad, b.theta_rad, 1e-15);
+}
+
 TEST(Motion, SpecCheckA) {
   const OdometryIncrement u = odometry_increment({1, 2, 0.5}, {1.3, 2.4, 0.9}, 0.01);
   EXPECT_NEAR(u.rot1_rad, 0.427295218001612, 1e-12);

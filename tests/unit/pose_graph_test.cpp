@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 #include <vector>
 
 #include "common/math/portable64.h"
@@ -58,23 +59,25 @@ TEST(PoseGraph, WithoutALoopNothingMoves) {
   for (std::size_t k = 0; k < before.size(); ++k) expect_near(d.poses[k], before[k], 1e-9);  // rounding
 }
 
+/// Three steps of 1 m, and an edge that says they make 2.4 m.
+std::pair<std::vector<Pose>, std::vector<PoseEdge>> chain_and_edge(const Matrix3& edge_covariance) {
+  std::vector<PoseEdge> edges;
+  for (std::size_t k = 0; k < 3; ++k) edges.push_back({k, k + 1, {1, 0, 0}, sure(1, 1), false});
+  edges.push_back({0, 3, {2.4, 0, 0}, edge_covariance, false});
+  return {{{}, {1, 0, 0}, {2, 0, 0}, {3, 0, 0}}, edges};
+}
+
 // Two springs in a row: 3 m by the chain, 2.4 m by an edge as sure as each of its three steps. Of the
 // missing 0.6 m each step takes 0.6 / 4, as the four are in one ring.
 TEST(PoseGraph, ARingSharesWhatIsLeftOver) {
-  std::vector<Pose> poses{{}, {1, 0, 0}, {2, 0, 0}, {3, 0, 0}};
-  std::vector<PoseEdge> edges;
-  for (std::size_t k = 0; k < 3; ++k) edges.push_back({k, k + 1, {1, 0, 0}, sure(1, 1), false});
-  edges.push_back({0, 3, {2.4, 0, 0}, sure(1, 1), false});
+  auto [poses, edges] = chain_and_edge(sure(1, 1));
   relax(poses, edges);
   for (int k = 0; k < 4; ++k) expect_near(poses[static_cast<std::size_t>(k)], {0.85 * k, 0, 0}, 1e-6);
 }
 
 // The same, and the last edge a hundred times surer: all is left to the steps.
 TEST(PoseGraph, TheSurerEdgeGivesWayLess) {
-  std::vector<Pose> poses{{}, {1, 0, 0}, {2, 0, 0}, {3, 0, 0}};
-  std::vector<PoseEdge> edges;
-  for (std::size_t k = 0; k < 3; ++k) edges.push_back({k, k + 1, {1, 0, 0}, sure(1, 1), false});
-  edges.push_back({0, 3, {2.4, 0, 0}, sure(0.01, 0.01), false});
+  auto [poses, edges] = chain_and_edge(sure(0.01, 0.01));
   relax(poses, edges);
   EXPECT_NEAR(poses[3].x_m, 2.4, 1e-3);
   EXPECT_NEAR(misfit_sq(poses, edges[0]), 0.04, 1e-3);

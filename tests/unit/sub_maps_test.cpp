@@ -8,77 +8,31 @@
 #include <vector>
 
 #include "common/eval/metrics.h"
-#include "common/eval/simulator.h"
 #include "common/math/portable64.h"
 #include "common/slam/grid_slam.h"
-#include "tests/unit/simulated.h"
+#include "tests/unit/ring_drive.h"
 #include "tests/unit/temp_file.h"
 
 namespace parloc {
 namespace {
 
-constexpr double kRadius_m = 25.0, kRound_m = 2.0 * kPi * kRadius_m;
+constexpr double kRadius_m = 25.0;
 
-/// A round corridor, 2 m wide, with posts at uneven distances.
-const GridMap& ring() {
-  static const GridMap map = [] {
-    constexpr int kSize = 540;
-    std::vector<std::string> rows(kSize, std::string(kSize, '.'));
-    for (int j = 0; j < kSize; ++j)
-      for (int i = 0; i < kSize; ++i) {
-        const double x_m = (i + 0.5) * 0.1 - 27.0, y_m = (j + 0.5) * 0.1 - 27.0;
-        const double to_wall_m = 1.0 - std::fabs(std::hypot(x_m, y_m) - kRadius_m);
-        const int along = static_cast<int>((std::atan2(y_m, x_m) + kPi) * kRadius_m / 0.1);
-        const double deep_m = along % 16 < 3 || along % 23 < 2 ? 0.35 : 0.0;
-        if (to_wall_m < deep_m && to_wall_m > -0.2)
-          rows[static_cast<std::size_t>(j)][static_cast<std::size_t>(i)] = '#';
-      }
-    return grid_from_text(rows, 0.1);
-  }();
-  return map;
+/// With posts at uneven distances.
+const test::Ring& ring() {
+  static const test::Ring made(kRadius_m, [](int along) { return along % 16 < 3 || along % 23 < 2; });
+  return made;
 }
 
-/// Along the middle of the corridor, counter-clockwise.
-Pose on_ring(double way_m) {
-  const double angle = way_m / kRadius_m;
-  return {27.0 + kRadius_m * std::cos(angle), 27.0 + kRadius_m * std::sin(angle), wrap64(angle + kPi / 2)};
-}
-
-struct Drive {
-  std::vector<Pose> odometry;
-  std::vector<Scan> scans;
-  Trajectory truth;
-};
-
-/// Once around and 20 m more, a scan every 0.3 m; the odometry is 0.2 % short and turns too far, then too
-/// little.
-const Drive& drive() {
-  static const Drive d = [] {
-    Drive out;
-    Pose odometry;
-    for (int k = 0; 0.3 * k < kRound_m + 20.0; ++k) {
-      const Pose pose = on_ring(0.3 * k);
-      if (k > 0) {
-        Pose step = relative(pose, on_ring(0.3 * (k - 1)));
+/// Once around and 20 m more; the odometry is 0.2 % short and turns too far, then too little.
+const test::RingDrive& drive() {
+  static const test::RingDrive d = drive_along(
+      ring(), 2.0 * kPi * kRadius_m + 20.0,
+      [](int k, Pose step) {
         step.x_m *= 0.998, step.theta_rad += k % 2 == 0 ? 0.001 : -0.001;
-        odometry = compose(odometry, step);
-      }
-      Scan scan;
-      scan.stamp_s = 10.0 + 0.3 * k;
-      scan.angle_min_rad = -kPi;
-      scan.angle_step_rad = kPi / 45;
-      scan.range_max_m = 8.0;
-      for (int i = 0; i < 90; ++i)
-        scan.ranges_m.push_back(
-            static_cast<float>(cast_simulated_ray(ring(), pose.x_m, pose.y_m,
-                                                  pose.theta_rad + scan.angle_min_rad + i * kPi / 45, 8.0)
-                                   .range_m));
-      out.odometry.push_back(odometry);
-      out.scans.push_back(scan);
-      out.truth.push_back({scan.stamp_s, relative(pose, on_ring(0.0))});
-    }
-    return out;
-  }();
+        return step;
+      },
+      [](double range_m) { return range_m; });
   return d;
 }
 

@@ -4,7 +4,6 @@
 #include <fmt/ranges.h>
 
 #include <algorithm>
-#include <cmath>
 
 #include "common/io/map_view.h"
 
@@ -60,8 +59,7 @@ std::size_t resampled(const std::vector<SlamRecord>& records) {
 
 double length_m(const Trajectory& way) {
   double sum_m = 0.0;
-  for (std::size_t k = 1; k < way.size(); ++k)
-    sum_m += std::hypot(way[k].pose.x_m - way[k - 1].pose.x_m, way[k].pose.y_m - way[k - 1].pose.y_m);
+  for (std::size_t k = 1; k < way.size(); ++k) sum_m += distance_m(way[k - 1].pose, way[k].pose);
   return sum_m;
 }
 

@@ -1,0 +1,84 @@
+// A round corridor, and a drive along it: what comes around again.
+#pragma once
+
+#include <cmath>
+#include <functional>
+#include <string>
+#include <vector>
+
+#include "common/eval/simulator.h"
+#include "common/io/log.h"
+#include "common/io/trajectory.h"
+#include "common/math/portable64.h"
+#include "tests/unit/simulated.h"
+
+namespace parloc::test {
+
+/// 2 m wide, of cells of 10 cm. Posts stand out from both walls where is_post says so, of the way along the
+/// middle of the corridor in cells.
+class Ring {
+ public:
+  Ring(double radius_m, const std::function<bool(int along)>& is_post)
+      : radius_m_(radius_m), middle_m_(radius_m + 2.0) {
+    const int size = static_cast<int>(std::lround(2.0 * middle_m_ / 0.1));
+    std::vector<std::string> rows(static_cast<std::size_t>(size),
+                                  std::string(static_cast<std::size_t>(size), '.'));
+    for (int j = 0; j < size; ++j)
+      for (int i = 0; i < size; ++i) {
+        const double x_m = (i + 0.5) * 0.1 - middle_m_, y_m = (j + 0.5) * 0.1 - middle_m_;
+        const double to_wall_m = 1.0 - std::fabs(std::hypot(x_m, y_m) - radius_m_);
+        const int along = static_cast<int>((std::atan2(y_m, x_m) + kPi) * radius_m_ / 0.1);
+        const double deep_m = is_post(along) ? 0.35 : 0.0;
+        if (to_wall_m < deep_m && to_wall_m > -0.2)
+          rows[static_cast<std::size_t>(j)][static_cast<std::size_t>(i)] = '#';
+      }
+    map_ = grid_from_text(rows, 0.1);
+  }
+  const GridMap& map() const { return map_; }
+  /// On the middle of the corridor, counter-clockwise.
+  Pose at(double way_m) const {
+    const double angle = way_m / radius_m_;
+    return {middle_m_ + radius_m_ * std::cos(angle), middle_m_ + radius_m_ * std::sin(angle),
+            wrap64(angle + kPi / 2)};
+  }
+
+ private:
+  double radius_m_, middle_m_;
+  GridMap map_;
+};
+
+struct RingDrive {
+  static constexpr double kStep_m = 0.3;  ///< Between scans.
+  std::vector<Pose> odometry;
+  std::vector<Scan> scans;
+  Trajectory truth;  ///< From the first scan.
+};
+
+/// Scans of 90 beams all around. `step_of(k, true step)` is what the odometry has of step k, `range_of` what
+/// the LiDAR has of a range below 7.9 m.
+inline RingDrive drive_along(const Ring& ring, double way_m, const std::function<Pose(int, Pose)>& step_of,
+                             const std::function<double(double)>& range_of) {
+  RingDrive out;
+  Pose odometry;
+  for (int k = 0; RingDrive::kStep_m * k < way_m; ++k) {
+    const Pose pose = ring.at(RingDrive::kStep_m * k);
+    if (k > 0)
+      odometry = compose(odometry, step_of(k, relative(pose, ring.at(RingDrive::kStep_m * (k - 1)))));
+    Scan scan;
+    scan.stamp_s = 10.0 + 0.3 * k;
+    scan.angle_min_rad = -kPi;
+    scan.angle_step_rad = kPi / 45;
+    scan.range_max_m = 8.0;
+    for (int i = 0; i < 90; ++i) {
+      const double angle_rad = pose.theta_rad + scan.angle_min_rad + i * kPi / 45;
+      const double range_m = cast_simulated_ray(ring.map(), pose.x_m, pose.y_m, angle_rad, 8.0).range_m;
+      scan.ranges_m.push_back(static_cast<float>(range_m < 7.9 ? range_of(range_m) : range_m));
+    }
+    out.odometry.push_back(odometry);
+    out.scans.push_back(scan);
+    out.truth.push_back({scan.stamp_s, relative(pose, ring.at(0.0))});
+  }
+  return out;
+}
+
+}  // namespace parloc::test
