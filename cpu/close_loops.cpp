@@ -104,10 +104,16 @@ ClosedWay close_loops(const SlamConfig& config, const ScannedWay& way, int threa
   const ScanChain chain = cpu::chain_scans(config, way, part(0.0, 0.35));
   const PieceGraph graph(config, way.scans, chain, team, part(0.35, 0.9));
   closed.counts = graph.counts();
-  if (closed.counts.used == 0) return closed;
-  closed.path = graph.path();
-  const Refinement refinement(config, way.scans, chain, team);
-  for (int k = 0; k < kRefinements; ++k) refinement.run(graph, closed.path);
+  const auto refined = part(0.9, 1.0);
+  if (closed.counts.used > 0) {
+    closed.path = graph.path();
+    const Refinement refinement(config, way.scans, chain, team);
+    for (int k = 0; k < kRefinements; ++k) {
+      refined(static_cast<double>(k) / kRefinements);
+      refinement.run(graph, closed.path);
+    }
+  }
+  refined(1.0);
   for (std::size_t k = 0; k < way.path.size(); ++k)
     closed.counts.most_moved_m =
         std::max(closed.counts.most_moved_m, distance_m(closed.path[k], way.path[k]));

@@ -26,17 +26,19 @@ TEST(MapLog, ABreakWhileLoopsAreClosedLeavesThemOpen) {
   const test::TempFile log("drive.log", carmen_log_of(test::small_drive(test::small_room(), 60)));
   const test::TempFile checkpoint("checkpoint");
   MapRequest request = request_of(log.path(), checkpoint.path());
-  const Mapping whole = map_log(*open_carmen_log(log.path()), request);
-  ASSERT_FALSE(whole.interrupted);
-  ASSERT_TRUE(whole.loops.has_value());
-  ASSERT_TRUE(whole.resident_bytes.has_value());
-  EXPECT_GT(*whole.resident_bytes, whole.memory.most_tile_bytes);
-
   double done = 0.0;
   request.closing = [&](double fraction) {
     EXPECT_GE(fraction, done);
     done = fraction;
   };
+  const Mapping whole = map_log(*open_carmen_log(log.path()), request);
+  ASSERT_FALSE(whole.interrupted);
+  EXPECT_EQ(done, 1.0);
+  ASSERT_TRUE(whole.loops.has_value());
+  ASSERT_TRUE(whole.resident_bytes.has_value());
+  EXPECT_GT(*whole.resident_bytes, whole.memory.most_tile_bytes);
+
+  done = 0.0;
   request.stop = [&] { return done > 0.5; };
   const Mapping broken = map_log(*open_carmen_log(log.path()), request);
   EXPECT_TRUE(broken.interrupted);
