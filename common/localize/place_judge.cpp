@@ -4,17 +4,14 @@
 #include <cmath>
 
 #include "common/math/portable.h"
+#include "common/search/hypotheses.h"
 
 namespace parloc {
 namespace {
 
 constexpr std::size_t kMost = 6;  ///< Scans remembered.
-constexpr double kApart_m = 0.3, kApart_rad = 0.3;
-
-bool apart(const Pose& a, const Pose& b) {
-  const double dx = a.x_m - b.x_m, dy = a.y_m - b.y_m;
-  return dx * dx + dy * dy >= kApart_m * kApart_m || turn_rad(a, b) >= kApart_rad;
-}
+/// Between scans that are remembered.
+constexpr Separation kApart{0.3, 0.3};
 
 }  // namespace
 
@@ -26,7 +23,7 @@ void PlaceJudge::forget() {
 }
 
 void PlaceJudge::remember(const Pose& odometry, const BeamTable& beams) {
-  if (beams.count == 0 || (!scans_.empty() && !apart(odometry, scans_.back().odometry))) return;
+  if (beams.count == 0 || (!scans_.empty() && !separated(odometry, scans_.back().odometry, kApart))) return;
   if (scans_.size() == kMost) scans_.erase(scans_.begin());
   scans_.push_back({odometry, beams});
 }
