@@ -1,13 +1,13 @@
 // Everything that parloc offers to other programs: #include <parloc/parloc.h> (docs/building.md).
 #pragma once
 
+#include "common/config/config.h"
 #include "common/error.h"
 #include "common/eval/metrics.h"
 #include "common/filter/config.h"
 #include "common/filter/particle_filter.h"
 #include "common/filter/pose_filter.h"
 #include "common/flow/flow_filter.h"
-#include "common/io/config.h"
 #include "common/io/log.h"
 #include "common/io/trajectory.h"
 #include "common/localize/localizer.h"

@@ -6,9 +6,9 @@
 #include <algorithm>
 #include <fstream>
 
+#include "common/filter/beam_votes.h"
 #include "common/filter/bind.h"
 #include "common/filter/bins.h"
-#include "common/filter/judge.h"
 #include "common/filter/start.h"
 #include "common/map/blocking_cells.h"
 #include "common/map/skip_field.h"
@@ -126,7 +126,7 @@ class CpuBackend final : public Backend {
     const std::uint32_t* distance = squared_distance_.empty() ? nullptr : squared_distance_.data();
     const WeightArgs args = bind_weight(rays, bind_field(table, field_unit_nat_, config_.sensor, map_),
                                         config_.sensor, {distance, votes_view(), &state_});
-    if (judges_beams(args)) cpu::judge_beams(args, workers_);
+    if (needs_beam_votes(args)) cpu::beam_votes(args, workers_);
     cpu::weight(args, workers_);
   }
 

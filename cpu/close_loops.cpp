@@ -90,9 +90,9 @@ class Refinement {
 
 }  // namespace
 
-ClosedWay close_loops(const SlamConfig& config, const ScannedWay& way, int threads,
-                      const std::function<void(double fraction)>& watch) {
-  ClosedWay closed{way.path, {}};
+ClosedPath close_loops(const SlamConfig& config, const ScannedPath& way, int threads,
+                       const std::function<void(double fraction)>& watch) {
+  ClosedPath closed{way.path, {}};
   if (way.path.empty()) return closed;
   const int team = threads > 0 ? threads : omp_get_num_procs();
   // Of the time, about: the chain takes a third, the graph most of the rest.

@@ -1,4 +1,4 @@
-#include "common/filter/estimate.h"
+#include "common/filter/moments.h"
 
 #include "common/filter/bins.h"
 #include "cpu/block_sum.h"

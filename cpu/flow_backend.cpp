@@ -119,7 +119,7 @@ class CpuFlowBackend final : public FlowBackend {
   cpu::Workers workers_;
   FlowRules rules_;
   std::vector<DistancePair> table_;
-  Field field_;
+  DistanceField field_;
   cpu::PaddedScan scan_;
   cpu::BeamNotes notes_;
   cpu::Poses now_, other_;  // the other one only for pfpf, and so what follows

@@ -4,7 +4,7 @@
 #include "cpu/flow_stages.h"
 
 namespace parloc::cpu {
-void flow_particles(const Field& field, const FlowRules& rules, const PaddedScan& scan,
+void flow_particles(const DistanceField& field, const FlowRules& rules, const PaddedScan& scan,
                     const MotionStep& motion, RandomKey key, const FlowState& state, const Particles& p,
                     Workers& workers) {
   const bool weighted = rules.method == FlowMethod::pfpf;

@@ -1,8 +1,8 @@
 #include "cpu/match_scan.h"
 
 #include "common/math/portable64.h"
+#include "cpu/match_sum.h"
 #include "cpu/parallel.h"
-#include "cpu/sum_beams.h"
 
 namespace parloc::cpu {
 namespace {

@@ -1,5 +1,5 @@
+#include "cpu/match_sum.h"
 #include "cpu/slam_stages.h"
-#include "cpu/sum_beams.h"
 
 namespace parloc::cpu {
 

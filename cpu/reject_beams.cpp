@@ -12,8 +12,8 @@ float median(float* values, std::size_t count) {
 
 }  // namespace
 
-void reject_beams(const Field& field, const FlowRules& rules, const FlowState& state, PaddedScan& scan,
-                  BeamNotes& notes) {
+void reject_beams(const DistanceField& field, const FlowRules& rules, const FlowState& state,
+                  PaddedScan& scan, BeamNotes& notes) {
   if (!(rules.z_score > 0.0) || scan.hits == 0) return;
   const StrictFloat strict;
   const ScanPose pose = scan_pose(state.prior.mean, field);

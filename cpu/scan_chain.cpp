@@ -65,7 +65,7 @@ class Matcher {
 
 }  // namespace
 
-ScanChain chain_scans(const SlamConfig& config, const ScannedWay& way,
+ScanChain chain_scans(const SlamConfig& config, const ScannedPath& way,
                       const std::function<void(double fraction)>& watch) {
   const std::size_t count = way.path.size();
   ScanChain chain{{}, std::vector<float>(count, 1.0f), std::vector<double>(count, 0.0)};

@@ -20,7 +20,7 @@ struct ScanChain {
 /// Each scan matched to a local map of the last ones, from where the particle or else the odometry says. What
 /// a loop that was closed wrongly, or with a step, did to the particle's way is not in it.
 /// `watch`, told how much of it is done, may be empty.
-ScanChain chain_scans(const SlamConfig& config, const ScannedWay& way,
+ScanChain chain_scans(const SlamConfig& config, const ScannedPath& way,
                       const std::function<void(double fraction)>& watch);
 
 /// Scans [begin, end) in a row, and the one in the middle for whose pose they stand.

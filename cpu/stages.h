@@ -10,8 +10,8 @@ namespace parloc::cpu {
 
 void predict(const PredictArgs& args, Workers& workers);
 void ray_trace(const RayTraceArgs& args, Workers& workers);
-/// Only for models that ask all particles about a beam (judges_beams); before weight.
-void judge_beams(const WeightArgs& args, Workers& workers);
+/// Only for models that ask all particles about a beam (needs_beam_votes); before weight.
+void beam_votes(const WeightArgs& args, Workers& workers);
 void weight(const WeightArgs& args, Workers& workers);
 void normalise_scan(const NormaliseArgs& args, Workers& workers);
 void estimate(const Particles& particles, const Weights& weights, const BinTable& bins, StepState* state,

@@ -6,7 +6,7 @@ namespace parloc::cpu {
 namespace {
 
 template <class Update, class Terms>
-PARLOC_HD void run_update(const Field& field, const FlowRules& rules, const PaddedScan& scan,
+PARLOC_HD void run_update(const DistanceField& field, const FlowRules& rules, const PaddedScan& scan,
                           const Terms& terms, FlowState& state, CloudMove& move, BeamNotes& notes) {
   Update update;
   update.begin(state, rules);
@@ -25,7 +25,7 @@ void predict_mean(const FlowRules& rules, const MotionStep& motion, FlowState& s
   predict_state(state, rules, motion_noise(motion));
 }
 
-void update_mean(const Field& field, const FlowRules& rules, const PaddedScan& scan, FlowState& state,
+void update_mean(const DistanceField& field, const FlowRules& rules, const PaddedScan& scan, FlowState& state,
                  CloudMove& move, BeamNotes& notes) {
   const StrictFloat strict;
   run_simd([&]() PARLOC_SIMD_LOOP {

@@ -1,10 +1,10 @@
 #include <array>
 #include <atomic>
 
-#include "common/filter/judge.h"
+#include "common/filter/beam_votes.h"
 #include "common/filter/normalise.h"
 #include "common/math/fixed_point.h"
-#include "cpu/field_sum.h"
+#include "cpu/likelihood_sum.h"
 #include "cpu/parallel.h"
 #include "cpu/ray_trace.h"
 #include "cpu/stages.h"

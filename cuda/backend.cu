@@ -3,9 +3,9 @@
 #include <bit>
 #include <map>
 
+#include "common/filter/beam_votes.h"
 #include "common/filter/bind.h"
 #include "common/filter/bins.h"
-#include "common/filter/judge.h"
 #include "common/filter/start.h"
 #include "common/map/blocking_cells.h"
 #include "common/map/skip_field.h"
@@ -248,7 +248,7 @@ class CudaBackend final : public Backend {
       const LikelihoodField field = bind_field(field_.data(), field_unit_nat_, config_.sensor, map_);
       const WeightArgs args =
           bind_weight(rays, field, config_.sensor, {squared_distance_.data(), votes_view(), state_.data()});
-      if (judges_beams(args)) stage::judge_beams(args, input_.device(), stream_);
+      if (needs_beam_votes(args)) stage::beam_votes(args, input_.device(), stream_);
       stage::weight(args, input_.device(), stream_);
     }
     if (asked(kNormalise))

@@ -1,4 +1,4 @@
-#include "common/filter/estimate.h"
+#include "common/filter/moments.h"
 
 #include "cuda/block_sum.h"
 #include "cuda/stages.h"

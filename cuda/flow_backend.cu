@@ -166,7 +166,7 @@ class CudaFlowBackend final : public FlowBackend {
   Stream stream_{};
   Scratch scratch_;
   FlowRules rules_;
-  Field field_;
+  DistanceField field_;
   DeviceBuffer<DistancePair> table_;
   StepInputBuffer input_;
   DeviceBuffer<float> distance_, keep_, kept_;  // with a z score only

@@ -14,7 +14,7 @@ struct FlowParticles {
     bool active[kSlots];
     RawRoom<ParticleFlow> flow[kSlots];
   };
-  Field field;
+  DistanceField field;
   FlowRules rules;
   FlowScan scan;
   const FlowState* state;
@@ -76,8 +76,8 @@ struct FlowParticles {
 
 }  // namespace
 
-void flow_particles(const Field& field, const FlowRules& rules, const FlowScan& scan, const FlowState* state,
-                    const Particles& p, Stream stream) {
+void flow_particles(const DistanceField& field, const FlowRules& rules, const FlowScan& scan,
+                    const FlowState* state, const Particles& p, Stream stream) {
   constexpr std::size_t kPerLaunch = std::size_t{kMaxBlocks} * kSlots;
   for (std::size_t first = 0; first < p.capacity; first += kPerLaunch) {
     const std::size_t here = std::min(kPerLaunch, p.capacity - first);

@@ -25,8 +25,8 @@ struct FlowScan {
 
 /// What lane `lane` adds of a scan at a pose.
 template <class Terms>
-PARLOC_HD void sum_lane(const Field& field, const FlowScan& scan, const ScanPose& pose, const Terms& terms,
-                        std::size_t lane, LaneSums<Terms::kSums>& sums) {
+PARLOC_HD void sum_lane(const DistanceField& field, const FlowScan& scan, const ScanPose& pose,
+                        const Terms& terms, std::size_t lane, LaneSums<Terms::kSums>& sums) {
   sums.clear(lane);
   const Beams& b = scan.beams;
   for (std::size_t m = lane; m < scan.hits(); m += kBeamLanes) {
@@ -67,15 +67,15 @@ void cloud_moments(const Cloud& cloud, const StepState* total, bool covariance, 
                    Scratch& scratch, Stream stream);
 void predict_mean(const FlowRules& rules, const StepInput* input, FlowState* state, Stream stream);
 /// Writes `keep` and `kept`; `distance`: [kMaxBeams] scratch.
-void reject_beams(const Field& field, const FlowRules& rules, const FlowScan& scan, const FlowState* state,
-                  float* distance, float* keep, float* kept, Stream stream);
-void update_mean(const Field& field, const FlowRules& rules, const FlowScan& scan, FlowState* state,
+void reject_beams(const DistanceField& field, const FlowRules& rules, const FlowScan& scan,
+                  const FlowState* state, float* distance, float* keep, float* kept, Stream stream);
+void update_mean(const DistanceField& field, const FlowRules& rules, const FlowScan& scan, FlowState* state,
                  CloudMove* move, const UpdateRoom& room, Stream stream);
 /// What the particles became goes into the Gaussian.
 void finish_mean_state(const FlowRules& rules, FlowState* state, Stream stream);
 void move_cloud(const Particles& particles, const CloudMove* move, const FlowState* state,
                 const StepInput* input, Stream stream);
-void flow_particles(const Field& field, const FlowRules& rules, const FlowScan& scan, const FlowState* state,
-                    const Particles& particles, Stream stream);
+void flow_particles(const DistanceField& field, const FlowRules& rules, const FlowScan& scan,
+                    const FlowState* state, const Particles& particles, Stream stream);
 
 }  // namespace parloc::PARLOC_CUDA_NAMESPACE

@@ -15,7 +15,7 @@ struct RejectBeams {
   static constexpr int kBits = 31;
   static constexpr int kMedianPhases = 2 * kBits;
   static constexpr int kPhases = 1 + kMedianPhases + 1 + kMedianPhases + 2;
-  Field field;
+  DistanceField field;
   FlowRules rules;
   FlowScan scan;
   const FlowState* state;
@@ -88,8 +88,8 @@ struct RejectBeams {
 
 }  // namespace
 
-void reject_beams(const Field& field, const FlowRules& rules, const FlowScan& scan, const FlowState* state,
-                  float* distance, float* keep, float* kept, Stream stream) {
+void reject_beams(const DistanceField& field, const FlowRules& rules, const FlowScan& scan,
+                  const FlowState* state, float* distance, float* keep, float* kept, Stream stream) {
   launch(RejectBeams{field, rules, scan, state, distance, keep, kept}, 1, stream);
 }
 

@@ -22,8 +22,8 @@ struct Scratch {
 
 void predict(const Particles& particles, const StepInput* input, Stream stream);
 void ray_trace(const RayTraceArgs& args, const StepInput* input, Stream stream);
-/// Only for models that ask all particles about a beam (judges_beams); before weight.
-void judge_beams(const WeightArgs& args, const StepInput* input, Stream stream);
+/// Only for models that ask all particles about a beam (needs_beam_votes); before weight.
+void beam_votes(const WeightArgs& args, const StepInput* input, Stream stream);
 void weight(const WeightArgs& args, const StepInput* input, Stream stream);
 void normalise_scan(const NormaliseArgs& args, Scratch& scratch, Stream stream);
 void estimate(const Particles& particles, const Weights& weights, const BinTable& bins, StepState* state,

@@ -29,7 +29,7 @@ struct UpdateMean {
   struct Shared {
     LaneSums<Terms::kSums> sums;
   };
-  Field field;
+  DistanceField field;
   FlowRules rules;
   FlowScan scan;
   Terms terms;
@@ -81,7 +81,7 @@ void finish_mean_state(const FlowRules& rules, FlowState* state, Stream stream) 
   launch(FinishState{rules, state}, 1, stream);
 }
 
-void update_mean(const Field& field, const FlowRules& rules, const FlowScan& scan, FlowState* state,
+void update_mean(const DistanceField& field, const FlowRules& rules, const FlowScan& scan, FlowState* state,
                  CloudMove* move, const UpdateRoom& room, Stream stream) {
   if (rules.method == FlowMethod::ekf_beams)
     return launch(UpdateMean<BeamsUpdate, InformationTerms>{field, rules, scan, rules.information, state,

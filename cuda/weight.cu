@@ -1,4 +1,4 @@
-#include "common/filter/judge.h"
+#include "common/filter/beam_votes.h"
 #include "common/filter/trace_beam.h"
 #include "common/math/fixed_point.h"
 #include "cuda/stages.h"
@@ -23,7 +23,7 @@ PARLOC_HD std::int32_t ray_beam(const WeightArgs& a, const RayOrigin& o, std::si
 
 PARLOC_HD std::int32_t field_beam(const WeightArgs& a, const FieldPose& pose, std::size_t m) {
   const Beams& beams = a.rays.beams;
-  if (judges_beams(a) && a.votes.share[m] == 0.0f) return 0;
+  if (needs_beam_votes(a) && a.votes.share[m] == 0.0f) return 0;
   return a.field.value_at(a.field.place(pose, beams.end_x[m], beams.end_y[m]));
 }
 

@@ -12,8 +12,8 @@
 #include <vector>
 
 #include "common/error.h"
-#include "tools/commands.h"
-#include "tools/openmp_wait.h"
+#include "tools/program/commands.h"
+#include "tools/program/openmp_wait.h"
 
 namespace parloc::tools {
 namespace {

@@ -9,8 +9,8 @@
 #include <unordered_map>
 
 #include "common/error.h"
-#include "common/io/line_reader.h"
-#include "common/io/text_rows.h"
+#include "common/file/line_reader.h"
+#include "common/file/text_rows.h"
 #include "common/math/portable64.h"
 
 namespace parloc {

@@ -7,7 +7,7 @@
 #include <cstdlib>
 #include <filesystem>
 
-#include "common/io/yaml_section.h"
+#include "common/file/yaml_section.h"
 #include "common/math/portable64.h"
 
 namespace parloc {

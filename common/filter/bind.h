@@ -71,14 +71,14 @@ inline float bind_scan_worth(const SensorConfig& c, const ScanShape& scan) {
 }
 
 /// What the models that ask all particles about a beam need besides.
-struct JudgeArrays {
+struct VoteArrays {
   const std::uint32_t* squared_cells = nullptr;  ///< Null for models that cast rays.
   BeamVotes votes;
   const StepState* state = nullptr;
 };
 
 inline WeightArgs bind_weight(const RayTraceArgs& rays, const LikelihoodField& field,
-                              const SensorConfig& sensor, const JudgeArrays& judge) {
+                              const SensorConfig& sensor, const VoteArrays& judge) {
   const std::uint32_t* squared_cells = sensor.do_beamskip ? judge.squared_cells : nullptr;
   return {rays,
           sensor.model,

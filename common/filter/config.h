@@ -1,8 +1,4 @@
-// Every setting of the filters, with its default. The only place where a default is written, but for those of
-// the search (common/search/search_config.h) and of the filters on the distance field
-// (common/flow/flow_config.h).
-// common/io/config.h reads and prints these as YAML; common/filter/config_fields.h lists their names and
-// limits.
+// Settings of the particle filter.
 #pragma once
 
 #include <cstdint>
@@ -12,98 +8,14 @@
 
 #include "common/filter/backend_choice.h"
 #include "common/flow/flow_config.h"
+#include "common/localize/localize_config.h"
+#include "common/model/motion_config.h"
+#include "common/model/scan_config.h"
+#include "common/model/sensor_config.h"
 #include "common/search/search_config.h"
 #include "common/slam/slam_config.h"
 
 namespace parloc {
-
-enum class MotionForm { seed, thrun };
-/// Odometry motion model (SPEC 1; Paz et al. 2012 eq. 6 to 8).
-struct MotionConfig {
-  MotionForm form = MotionForm::seed;  ///< seed: sigma linear in |delta|; thrun: variance quadratic.
-  double alpha1 = 0.2;                 ///< Rotation noise from rotation [1].
-  double alpha2 = 0.1;                 ///< Rotation noise from translation [rad/m].
-  double alpha3 = 0.2;                 ///< Translation noise from translation [1].
-  double alpha4 = 0.1;                 ///< Translation noise from rotation [m/rad].
-  double sigma_rot_min_rad = 0.0;      ///< Noise floor of each rotation, only while the robot moves.
-  double sigma_trans_min_m = 0.0;      ///< Noise floor of the translation, only while the robot moves.
-  double min_translation_m = 0.01;     ///< Below it a step is a turn in place (SPEC 1.1).
-  bool symmetric = true;               ///< Driving backwards is not a turn by pi.
-  double max_jump_m = 1.0;             ///< A longer odometry step is reported and its noise inflated.
-};
-
-enum class ZeroPolicy { invalid, miss };
-/// Which beam of a scan its stamp is the time of.
-enum class StampAt { first, middle, last };
-/// Which beams of a scan are used, and what their values mean (SPEC 0.3).
-struct ScanConfig {
-  int max_beams = 100;            ///< Evenly spaced in angle.
-  int min_beams = 5;              ///< Fewer usable beams: prediction only.
-  double laser_min_range = 0.1;   ///< Used where the log gives none [m].
-  double laser_max_range = 40.0;  ///< Used where the log gives none [m].
-  ZeroPolicy zero_policy = ZeroPolicy::invalid;
-  double scan_time = 0.0;             ///< From the first beam to the last, where the log does not say [s].
-  StampAt stamp_at = StampAt::first;  ///< As in ROS.
-};
-
-/// What the log does not say of one LiDAR, or says wrongly. What is empty is as the log says, then as
-/// ScanConfig does.
-struct LidarConfig {
-  std::string name;                       ///< As the log calls it (Scan::sensor).
-  std::optional<double> x{}, y{}, yaw{};  ///< Pose on the robot [m, rad].
-  bool upside_down = false;               ///< Mirrored about its own x axis: angles run the other way.
-  std::optional<double> min_range{}, max_range{};  ///< [m]
-  std::optional<int> max_beams{};
-  std::optional<ZeroPolicy> zero_policy{};
-  std::optional<double> scan_time{};  ///< [s]
-  std::optional<StampAt> stamp_at{};
-};
-
-enum class SensorModel { gaussian, s5, beam, class_conditional, likelihood_field, likelihood_field_prob };
-/// The others look up end points.
-constexpr bool casts_rays(SensorModel m) {
-  return m != SensorModel::likelihood_field && m != SensorModel::likelihood_field_prob;
-}
-
-enum class RayCaster { skip, dda, fixed_step };
-enum class FieldLookup { nearest, bilinear };
-/// p(scan | pose, map) (SPEC 3). One group for all models; each uses the keys it knows. These are the values
-/// of the likelihood field; default_sensor() has those of the others.
-struct SensorConfig {
-  SensorModel model = SensorModel::likelihood_field;
-  double sigma_hit = 0.1;  ///< Standard deviation of a range (ray models) or of a wall's place (field) [m].
-  double z_hit = 0.9, z_short = 0.0, z_max = 0.0, z_rand = 0.1;  ///< Mixture; the sum must be 1.
-  double lambda_short = 0.5;                                     ///< [1/m]
-  double laser_likelihood_max_dist = 2.0;                        ///< Cap of the distance field [m].
-  /// Independent beams that a scan is worth, however many it has: chosen so that the filter's covariance
-  /// says how far off it is (docs/results/nees.md).
-  double effective_beams = 9.0;
-  double tempering = 0.0;            ///< beta of SPEC 3.2 as a number; 0: from effective_beams.
-  double s5_epsilon = 1e-3;          ///< Weight of a beam beyond the maximum, measured and expected.
-  bool do_beamskip = false;          ///< As in nav2's AMCL, and so the next three.
-  double beam_skip_distance = 0.5;   ///< A particle agrees with a beam that ends this close to a wall [m].
-  double beam_skip_threshold = 0.3;  ///< Share of the particles that must agree.
-  double beam_skip_error_threshold = 0.9;  ///< Of so many beams skipped none is.
-  double beam_skip_spread = 0.25;          ///< Standard deviation of the particles' place [m].
-  FieldLookup lookup = FieldLookup::bilinear;
-  RayCaster caster = RayCaster::skip;
-  double fixed_step_cells = 0.5;  ///< Step of the fixed_step caster, in cells.
-  bool unknown_blocks = true;     ///< A ray ends at an unknown cell.
-};
-
-/// The defaults of a model. A file that chooses a model starts from these.
-inline SensorConfig default_sensor(SensorModel model) {
-  SensorConfig c;
-  c.model = model;
-  c.do_beamskip = model == SensorModel::likelihood_field_prob;
-  if (!casts_rays(model)) return c;
-  c.sigma_hit = 0.2;
-  c.effective_beams = model == SensorModel::gaussian || model == SensorModel::s5 ? 0.4 : 6.0;
-  if (model == SensorModel::beam) c.z_hit = 0.75, c.z_short = 0.1, c.z_max = 0.05, c.z_rand = 0.1;
-  if (model == SensorModel::class_conditional)
-    c.z_hit = 0.65, c.z_short = 0.2, c.z_max = 0.05, c.z_rand = 0.1;
-  return c;
-}
 
 enum class ResampleScheme { systematic, stratified, residual, multinomial, multinomial_linear };
 struct ResampleConfig {
@@ -135,13 +47,6 @@ struct RecoveryConfig {
 enum class EstimateMode { mean, cluster };
 struct EstimateConfig {
   EstimateMode mode = EstimateMode::cluster;  ///< The whole set's mean, or that of its heaviest cluster.
-};
-
-/// What surrounds the filter (common/localize/localizer.h); the filter itself knows nothing of it.
-struct LocalizeConfig {
-  bool health = true;  ///< Judge every estimate. Without it there is no search either.
-  bool recover =
-      true;  ///< Search the map when lost, and for rivals while it is not sure. Else it only says so.
 };
 
 struct FilterConfig {

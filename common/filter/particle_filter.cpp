@@ -5,13 +5,13 @@
 #include <optional>
 #include <utility>
 
+#include "common/config/config.h"
 #include "common/error.h"
 #include "common/filter/backend.h"
 #include "common/filter/map_frame.h"
 #include "common/filter/run_digest.h"
 #include "common/filter/scan_intake.h"
 #include "common/filter/start.h"
-#include "common/io/config.h"
 #include "common/math/portable64.h"
 
 namespace parloc {

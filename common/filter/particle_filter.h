@@ -10,10 +10,10 @@
 
 #include "common/filter/config.h"
 #include "common/filter/pose_guess.h"
-#include "common/io/log.h"
 #include "common/map/grid_map.h"
 #include "common/math/pose.h"
 #include "common/model/beam_counts.h"
+#include "common/model/scan.h"
 
 namespace parloc {
 

@@ -14,7 +14,7 @@
 // |----------------|------------------------------------------|-----------------------------------------------------|
 // | predict        | poses, MotionStep                        | poses                                               |
 // | ray_trace      | poses, map, beams                        | expected_m[N][M] (unfused reference)                |
-// | judge_beams    | poses, log_weight, map, beams, state     | share of each beam (models that ask the cloud)      |
+// | beam_votes    | poses, log_weight, map, beams, state     | share of each beam (models that ask the cloud)      |
 // | weight         | poses, map, beams (or expected_m), shares| log_weight += tempering * sum of beams              |
 // | normalise_scan | log_weight                               | log_weight - max, weight[N], cumulative[N], state   |
 // | estimate       | poses, weight, state                     | state's moments of all and of the heaviest cluster  |
@@ -85,7 +85,8 @@ struct RayTraceArgs {
 
 struct StepState;
 
-/// What the particles together make of each beam (common/filter/judge.h); null for models that do not ask.
+/// What the particles together make of each beam (common/filter/beam_votes.h); null for models that do not
+/// ask.
 struct BeamVotes {
   std::uint64_t* map = nullptr;       ///< [kMaxBeams] That it saw the map. Zero between the steps.
   std::uint64_t* unmapped = nullptr;  ///< [kMaxBeams] That it saw something else; likewise.

@@ -2,7 +2,7 @@
 // (common/math/block_sum.h; SPEC 4).
 #pragma once
 
-#include "common/filter/estimate.h"
+#include "common/filter/moments.h"
 
 namespace parloc {
 

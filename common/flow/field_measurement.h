@@ -12,7 +12,7 @@
 namespace parloc {
 
 /// The field as a scan reads it.
-struct Field {
+struct DistanceField {
   DistanceTable table;
   FieldInterpolation interpolation = FieldInterpolation::bilinear;
   float cap_cells = 0.0f;
@@ -23,7 +23,7 @@ struct Field {
 struct ScanPose {
   float u, v, cos, sin;
 };
-PARLOC_HD ScanPose scan_pose(const Vector3& pose, const Field& field) {
+PARLOC_HD ScanPose scan_pose(const Vector3& pose, const DistanceField& field) {
   const SinCos64 h = portable_sincos64(pose[2]);
   return {static_cast<float>(pose[0] / field.resolution_m - 0.5),
           static_cast<float>(pose[1] / field.resolution_m - 0.5), static_cast<float>(h.cos),
@@ -39,7 +39,7 @@ PARLOC_HD BeamArm beam_arm(const ScanPose& p, float end_x, float end_y) {
 }
 
 /// The field at a beam's end.
-PARLOC_HD FieldValue look_up(const Field& field, const ScanPose& p, const BeamArm& arm) {
+PARLOC_HD FieldValue look_up(const DistanceField& field, const ScanPose& p, const BeamArm& arm) {
   const float u = p.u + arm.x, v = p.v + arm.y;
   if (field.interpolation == FieldInterpolation::cubic)
     return capped(cubic_patch(field.table, u, v), field.cap_cells);
@@ -82,7 +82,7 @@ struct FieldMeasurement {
   double beams = 0.0;           ///< That count.
 };
 PARLOC_HD FieldMeasurement finish_measurement(const BeamTerms<MeanTerms::kSums>& sum, double beams,
-                                              const Field& field) {
+                                              const DistanceField& field) {
   FieldMeasurement z;
   if (!(beams > 0.0)) return z;
   z.psi_m = field.resolution_m * static_cast<double>(sum.v[0]) / beams;
@@ -133,7 +133,7 @@ struct ScanInformation {
   Vector3 vector;  ///< matrix * (where the scan pulls to), metres and radians.
 };
 PARLOC_HD ScanInformation finish_information(const BeamTerms<InformationTerms::kSums>& sum,
-                                             const Field& field) {
+                                             const DistanceField& field) {
   // Terms are per cell^2: distances and turns in cells, variances in cells^2.
   const double cell_m = field.resolution_m, per_m2 = 1.0 / (cell_m * cell_m);
   const double t[6] = {sum.v[0], sum.v[1], sum.v[2], sum.v[3], sum.v[4], sum.v[5]};

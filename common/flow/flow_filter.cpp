@@ -4,6 +4,7 @@
 #include <cmath>
 #include <optional>
 
+#include "common/config/config.h"
 #include "common/error.h"
 #include "common/filter/map_frame.h"
 #include "common/filter/run_digest.h"
@@ -11,7 +12,6 @@
 #include "common/filter/start.h"
 #include "common/flow/flow_backend.h"
 #include "common/flow/mean_update.h"
-#include "common/io/config.h"
 
 namespace parloc {
 namespace {

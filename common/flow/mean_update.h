@@ -74,7 +74,7 @@ class MeanUpdate {
   PARLOC_HD bool done() const { return asked_ >= wanted_; }
   PARLOC_HD const Vector3& at() const { return at_; }
 
-  PARLOC_HD void take(const BeamTerms<Terms::kSums>& sum, double beams, const Field& field,
+  PARLOC_HD void take(const BeamTerms<Terms::kSums>& sum, double beams, const DistanceField& field,
                       const FlowRules& rules, FlowState& state) {
     const FieldMeasurement z = finish_measurement(sum, beams, field);
     if (asked_ == 0) update_gaussian(z, rules, state);
@@ -146,8 +146,8 @@ class BeamsUpdate {
   }
   PARLOC_HD bool done() const { return left_ <= 0; }
   PARLOC_HD const Vector3& at() const { return at_; }
-  PARLOC_HD void take(const BeamTerms<Terms::kSums>& sum, double beams, const Field& field, const FlowRules&,
-                      FlowState& state) {
+  PARLOC_HD void take(const BeamTerms<Terms::kSums>& sum, double beams, const DistanceField& field,
+                      const FlowRules&, FlowState& state) {
     const ScanInformation scan = finish_information(sum, field);
     --left_;
     if (state.skip == FlowSkip::no_scan) {  // the first time

@@ -9,9 +9,9 @@
 #include <utility>
 
 #include "common/error.h"
-#include "common/io/line_reader.h"
+#include "common/file/line_reader.h"
+#include "common/file/text_fields.h"
 #include "common/io/log.h"
-#include "common/io/text_fields.h"
 #include "common/math/portable64.h"
 
 namespace parloc {

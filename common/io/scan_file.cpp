@@ -6,7 +6,7 @@
 #include <limits>
 
 #include "common/error.h"
-#include "common/io/yaml_section.h"
+#include "common/file/yaml_section.h"
 
 namespace parloc {
 namespace {

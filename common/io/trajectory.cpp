@@ -7,9 +7,9 @@
 #include <utility>
 
 #include "common/error.h"
-#include "common/io/line_reader.h"
-#include "common/io/output_file.h"
-#include "common/io/text_rows.h"
+#include "common/file/line_reader.h"
+#include "common/file/output_file.h"
+#include "common/file/text_rows.h"
 #include "common/math/portable64.h"
 
 namespace parloc {

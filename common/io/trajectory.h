@@ -2,17 +2,10 @@
 #pragma once
 
 #include <string>
-#include <vector>
 
-#include "common/math/pose.h"
+#include "common/model/trajectory.h"
 
 namespace parloc {
-
-struct StampedPose {
-  double stamp_s = 0.0;
-  Pose pose;
-};
-using Trajectory = std::vector<StampedPose>;  ///< In file order; stamps may run backwards.
 
 /// Throws Error{input} with file:line for an unreadable file, a line that is not 8 numbers, a quaternion far
 /// from unit length, or a file without a pose.

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "common/localize/place_judge.h"
+#include "common/localize/place_evidence.h"
 #include "common/search/global_search.h"
 
 namespace parloc {
@@ -60,7 +60,7 @@ struct Localizer::State {
   LocalizerConfig config;
   ParticleFilter filter;
   std::unique_ptr<GlobalSearch> search;  // made when there is something to search
-  PlaceJudge judge;                      // remembers scans from where the doubt began
+  PlaceEvidence judge;                   // remembers scans from where the doubt began
   SearchPrior prior;
   HealthMonitor monitor;
   bool placed = false;       // it was told or has found where it may be, since the start
@@ -109,7 +109,7 @@ std::vector<Hypothesis> Localizer::State::search_map(const Pose& odometry, const
   out.found = found.size();
   std::vector<Pose> places;
   for (const Hypothesis& h : found) places.push_back(h.pose);
-  const std::vector<PlaceJudge::Verdict> verdicts = judge.judge(places, odometry, beams);
+  const std::vector<PlaceEvidence::Verdict> verdicts = judge.judge(places, odometry, beams);
   for (std::size_t k = 0; k < found.size(); ++k)
     found[k].evidence = verdicts[k].evidence, found[k].weight = verdicts[k].share;
   std::stable_sort(found.begin(), found.end(),
@@ -179,9 +179,9 @@ void Localizer::State::drop_refuted(const Pose& odometry, const BeamTable& beams
   if (modes.size() < 2 || beams.count == 0) return;
   std::vector<Pose> places;
   for (const Mode& mode : modes) places.push_back(mode.pose);
-  const std::vector<PlaceJudge::Verdict> verdicts = judge.judge(places, odometry, beams);
+  const std::vector<PlaceEvidence::Verdict> verdicts = judge.judge(places, odometry, beams);
   double best = 0.0;
-  for (const PlaceJudge::Verdict& v : verdicts) best = std::max(best, v.share);
+  for (const PlaceEvidence::Verdict& v : verdicts) best = std::max(best, v.share);
   std::vector<PoseGuess> left;
   for (std::size_t k = 0; k < modes.size(); ++k)
     if (verdicts[k].share >= kNoMatter * best)

@@ -8,8 +8,8 @@
 #include <string_view>
 
 #include "common/error.h"
-#include "common/io/input_file.h"
-#include "common/io/output_file.h"
+#include "common/file/input_file.h"
+#include "common/file/output_file.h"
 #include "common/map/map_limits.h"
 #include "common/map/map_yaml.h"
 #include "common/map/segment_map.h"

@@ -16,7 +16,7 @@
 #include <vector>
 
 #include "common/error.h"
-#include "common/io/nearest_name.h"
+#include "common/file/nearest_name.h"
 #include "common/map/map_limits.h"
 #include "common/math/portable64.h"
 

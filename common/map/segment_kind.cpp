@@ -7,7 +7,7 @@
 #include <sstream>
 #include <string_view>
 
-#include "common/io/nearest_name.h"
+#include "common/file/nearest_name.h"
 #include "common/map/segment_keys.h"
 #include "common/map/segment_map.h"
 

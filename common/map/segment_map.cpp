@@ -11,7 +11,7 @@
 #include <utility>
 
 #include "common/error.h"
-#include "common/io/input_file.h"
+#include "common/file/input_file.h"
 #include "common/map/map_limits.h"
 #include "common/map/rasterise.h"
 

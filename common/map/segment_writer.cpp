@@ -9,7 +9,7 @@
 #include <utility>
 
 #include "common/error.h"
-#include "common/io/output_file.h"
+#include "common/file/output_file.h"
 #include "common/map/segment_map.h"
 
 namespace parloc {

@@ -14,8 +14,8 @@
 #include <vector>
 
 #include "common/error.h"
-#include "common/io/nearest_name.h"
-#include "common/io/text_fields.h"
+#include "common/file/nearest_name.h"
+#include "common/file/text_fields.h"
 #include "common/map/map_limits.h"
 #include "common/map/segment_keys.h"
 #include "common/map/segment_map.h"

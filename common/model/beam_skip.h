@@ -5,8 +5,8 @@
 #include <cmath>
 #include <cstdint>
 
-#include "common/filter/config.h"
 #include "common/math/portable.h"
+#include "common/model/sensor_config.h"
 
 namespace parloc {
 

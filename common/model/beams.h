@@ -6,13 +6,13 @@
 #include <cstdint>
 #include <vector>
 
-#include "common/filter/config.h"
-#include "common/io/log.h"
 #include "common/math/portable64.h"
 #include "common/model/beam_counts.h"
 #include "common/model/lidar.h"
 #include "common/model/odometry_track.h"
+#include "common/model/scan.h"
 #include "common/model/scan_shape.h"
+#include "common/model/sensor_config.h"
 
 namespace parloc {
 

@@ -3,9 +3,9 @@
 
 #include <cstddef>
 
-#include "common/filter/config.h"
-#include "common/io/log.h"
 #include "common/math/pose.h"
+#include "common/model/scan.h"
+#include "common/model/scan_config.h"
 
 namespace parloc {
 

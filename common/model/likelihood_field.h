@@ -5,9 +5,9 @@
 #include <cstddef>
 #include <cstdint>
 
-#include "common/filter/config.h"
 #include "common/map/ray_cast.h"
 #include "common/math/portable.h"
+#include "common/model/sensor_config.h"
 
 namespace parloc {
 

@@ -4,9 +4,9 @@
 
 #include <cstdint>
 
-#include "common/filter/config.h"
 #include "common/math/philox.h"
 #include "common/math/pose.h"
+#include "common/model/motion_config.h"
 
 namespace parloc {
 

@@ -5,8 +5,8 @@
 #include <utility>
 #include <vector>
 
-#include "common/io/trajectory.h"
 #include "common/math/pose.h"
+#include "common/model/trajectory.h"
 
 namespace parloc {
 

@@ -3,8 +3,8 @@
 // holds them apart. `constant` is what a model knows of the beam besides its range.
 #pragma once
 
-#include "common/filter/config.h"
 #include "common/math/portable.h"
+#include "common/model/sensor_config.h"
 
 namespace parloc {
 
@@ -85,8 +85,8 @@ struct CensoredBeam {
 
 /// A beam as seen by a whole cloud of particles: the map's part of the censored mixture, raised to how
 /// probable it is that this beam saw the map at all. That is one unknown per beam, the same for all
-/// particles, so that none of them gains by taking a person for a wall; judge_beams finds it
-/// (common/filter/judge.h). `constant` is that share.
+/// particles, so that none of them gains by taking a person for a wall; beam_votes finds it
+/// (common/filter/beam_votes.h). `constant` is that share.
 struct ClassConditionalBeam {
   CensoredBeam mixture;
 

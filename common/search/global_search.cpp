@@ -9,7 +9,7 @@
 #include "common/math/portable64.h"
 #include "common/model/beams.h"
 #include "common/search/hypotheses.h"
-#include "common/search/judge_pose.h"
+#include "common/search/pose_evidence.h"
 #include "common/search/search_backend.h"
 
 namespace parloc {
@@ -73,7 +73,7 @@ struct GlobalSearch::State {
   std::string name;
   double resolution_m;
   SearchMap map;
-  PoseJudge judge;
+  PoseEvidence judge;
   std::string why;
   std::unique_ptr<SearchBackend> backend;
   SearchScan scan;
@@ -189,7 +189,7 @@ SearchResult GlobalSearch::search(const BeamTable& beams, const SearchPrior& pri
     Pose pose = pose_of(p, s.scan.headings, s.map.cell_m);
     Hypothesis h;
     h.score = s.judge.refine(beams, 2.0 * kPi / s.scan.headings, pose);
-    const PoseJudgement judged = s.judge.judge(beams, pose);
+    const PoseVerdict judged = s.judge.judge(beams, pose);
     h.explained = judged.explained;
     h.through = judged.through;
     h.unmapped = judged.unmapped;

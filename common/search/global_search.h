@@ -8,9 +8,9 @@
 #include <vector>
 
 #include "common/filter/config.h"
-#include "common/io/log.h"
 #include "common/map/grid_map.h"
 #include "common/math/pose.h"
+#include "common/model/scan.h"
 #include "common/search/search_config.h"
 
 namespace parloc {

@@ -1,7 +1,7 @@
 // What stands around the content of a checkpoint; SlamCheckpoint checks it.
 #pragma once
 
-#include "common/io/bytes.h"
+#include "common/file/bytes.h"
 
 namespace parloc {
 

@@ -4,16 +4,16 @@
 #include <cmath>
 #include <optional>
 
+#include "common/config/config.h"
 #include "common/error.h"
+#include "common/file/bytes.h"
+#include "common/file/output_file.h"
 #include "common/filter/scan_intake.h"
-#include "common/io/bytes.h"
-#include "common/io/config.h"
-#include "common/io/output_file.h"
 #include "common/math/sha256.h"
 #include "common/slam/checkpoint_frame.h"
+#include "common/slam/checkpoint_values.h"
 #include "common/slam/close_loops.h"
 #include "common/slam/path_tree.h"
-#include "common/slam/saved_parts.h"
 #include "common/slam/scan_odometry.h"
 #include "common/slam/slam_backend.h"
 #include "common/slam/sub_maps.h"
@@ -109,7 +109,7 @@ struct GridSlam::State {
   PathTree paths;
   SubMaps sub_maps;
   const SlamStep* last = nullptr;
-  std::optional<ClosedWay> closed;  ///< Of the steps so far, once it was asked for.
+  std::optional<ClosedPath> closed;  ///< Of the steps so far, once it was asked for.
 
   bool far_enough(const Pose& now) const {
     return !odometry || distance_m(*odometry, now) >= config.slam.update_min_d ||
@@ -138,7 +138,7 @@ struct GridSlam::State {
   /// By step: the best particle's poses ...
   std::vector<Pose> path() const { return paths.path(best()); }
   /// ... and with loops closed.
-  const ClosedWay& closed_way(const std::function<void(double fraction)>& watch = {});
+  const ClosedPath& closed_path(const std::function<void(double fraction)>& watch = {});
   Trajectory along(const std::vector<Pose>& path) const;
   /// The map to show, of the best particle or with loops closed.
   SlamCells cells();
@@ -274,14 +274,14 @@ SlamCells GridSlam::State::cells_of(std::size_t particle) const {
   return cells;
 }
 
-const ClosedWay& GridSlam::State::closed_way(const std::function<void(double fraction)>& watch) {
+const ClosedPath& GridSlam::State::closed_path(const std::function<void(double fraction)>& watch) {
   if (!closed) closed = parloc::close_loops(config.slam, {path(), odometry_of, scans}, config.threads, watch);
   return *closed;
 }
 
 SlamCells GridSlam::State::cells() {
-  if (!config.slam.close_loops || closed_way().counts.used == 0) return cells_of(best());
-  return drawn_map(config.slam, scans, closed_way().path);
+  if (!config.slam.close_loops || closed_path().counts.used == 0) return cells_of(best());
+  return drawn_map(config.slam, scans, closed_path().path);
 }
 
 Trajectory GridSlam::State::along(const std::vector<Pose>& path) const {
@@ -293,7 +293,7 @@ Trajectory GridSlam::State::along(const std::vector<Pose>& path) const {
 Trajectory GridSlam::trajectory() const {
   State& s = *state_;
   if (s.records.empty() || !s.config.slam.close_loops) return trajectory_so_far();
-  return s.along(s.closed_way().path);
+  return s.along(s.closed_path().path);
 }
 Trajectory GridSlam::trajectory_so_far() const {
   return state_->records.empty() ? Trajectory{} : state_->along(state_->path());
@@ -301,12 +301,12 @@ Trajectory GridSlam::trajectory_so_far() const {
 
 void GridSlam::close_loops(const std::function<void(double fraction)>& watch) const {
   State& s = *state_;
-  if (s.config.slam.close_loops && !s.records.empty()) s.closed_way(watch);
+  if (s.config.slam.close_loops && !s.records.empty()) s.closed_path(watch);
 }
 std::optional<LoopCounts> GridSlam::loops() const {
   State& s = *state_;
   if (!s.config.slam.close_loops) return std::nullopt;
-  return s.records.empty() ? LoopCounts{} : s.closed_way().counts;
+  return s.records.empty() ? LoopCounts{} : s.closed_path().counts;
 }
 
 GridMap GridSlam::map() const {

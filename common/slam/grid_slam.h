@@ -10,10 +10,10 @@
 #include <vector>
 
 #include "common/filter/config.h"
-#include "common/io/log.h"
-#include "common/io/trajectory.h"
 #include "common/map/grid_map.h"
 #include "common/model/beam_counts.h"
+#include "common/model/scan.h"
+#include "common/model/trajectory.h"
 #include "common/slam/loop_counts.h"
 #include "common/slam/scan_odometry_counts.h"
 #include "common/slam/slam_checkpoint.h"

@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-#include "common/slam/saved_parts.h"
+#include "common/slam/checkpoint_values.h"
 
 namespace parloc {
 

@@ -11,9 +11,9 @@
 #include <utility>
 #include <vector>
 
+#include "common/config/config.h"
 #include "common/error.h"
-#include "common/io/bytes.h"
-#include "common/io/config.h"
+#include "common/file/bytes.h"
 #include "common/slam/checkpoint_frame.h"
 #include "common/slam/slam_backend.h"
 

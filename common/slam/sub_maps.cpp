@@ -5,7 +5,7 @@
 #include <algorithm>
 
 #include "common/error.h"
-#include "common/slam/saved_parts.h"
+#include "common/slam/checkpoint_values.h"
 
 namespace parloc {
 namespace {

@@ -7,7 +7,7 @@
 #include <utility>
 
 #include "common/error.h"
-#include "common/io/bytes.h"
+#include "common/file/bytes.h"
 #include "common/slam/checkpoint_frame.h"
 #include "common/slam/grid_slam.h"
 

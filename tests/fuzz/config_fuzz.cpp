@@ -4,8 +4,8 @@
 #include <cstdlib>
 #include <string>
 
+#include "common/config/config.h"
 #include "common/error.h"
-#include "common/io/config.h"
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   const std::string text(reinterpret_cast<const char*>(data), size);

@@ -8,8 +8,8 @@
 #include <sstream>
 #include <string>
 
-#include "common/io/bytes.h"
-#include "common/slam/saved_parts.h"
+#include "common/file/bytes.h"
+#include "common/slam/checkpoint_values.h"
 #include "common/slam/slam_backend.h"
 #include "common/slam/sub_maps.h"
 #include "tests/stage/room_of_blocks.h"

@@ -6,15 +6,15 @@
 #include <string>
 #include <vector>
 
+#include "common/config/settings_table.h"
 #include "common/filter/backend.h"
-#include "common/filter/config_fields.h"
 #include "common/filter/start.h"
 #include "common/math/sha256.h"
 #include "tests/system/golden_corridor.h"
 #include "tests/unit/instruction_sets.h"
 #include "tests/unit/small_drive.h"
 #include "tests/unit/without_gpu.h"
-#include "tools/localize_log.h"
+#include "tools/run/localize_log.h"
 
 namespace parloc::cuda_on_host {
 std::unique_ptr<Backend> make_backend_on_host(const BackendConfig& config);

@@ -8,6 +8,7 @@
 
 #include "common/eval/metrics.h"
 #include "common/filter/pose_filter.h"
+#include "common/io/log.h"
 #include "common/map/map_reader.h"
 #include "tests/unit/real_data.h"
 

@@ -12,7 +12,7 @@
 #include "common/eval/metrics.h"
 #include "common/map/map_reader.h"
 #include "tests/unit/real_data.h"
-#include "tools/localize_log.h"
+#include "tools/run/localize_log.h"
 
 namespace parloc {
 namespace {

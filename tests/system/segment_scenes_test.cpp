@@ -7,9 +7,9 @@
 #include <string>
 #include <vector>
 
+#include "common/config/config.h"
 #include "common/eval/simulator.h"
 #include "common/filter/particle_filter.h"
-#include "common/io/config.h"
 #include "common/map/map_reader.h"
 
 namespace parloc {

@@ -10,14 +10,14 @@
 #include <vector>
 
 #include "tools/bench/json.h"
-#include "tools/bench/numbers.h"
 #include "tools/bench/pages.h"
 #include "tools/bench/published.h"
 #include "tools/bench/scale_run.h"
-#include "tools/bench/table.h"
 #include "tools/bench/tables.h"
 #include "tools/bench/tables_run.h"
 #include "tools/bench/variants.h"
+#include "tools/report/numbers.h"
+#include "tools/report/table.h"
 
 namespace parloc::bench {
 namespace {

@@ -10,7 +10,7 @@
 #include "tests/unit/timing_rules.h"
 #include "tools/bench/bisect.h"
 #include "tools/bench/measure.h"
-#include "tools/bench/statistics.h"
+#include "tools/report/statistics.h"
 
 namespace parloc::bench {
 namespace {

@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""The fit of tools/calibrate_health.py on samples of a known curve, its scores by hand, and what it refuses."""
+"""The fit of tools/studies/calibrate_health.py on samples of a known curve, its scores by hand, and what it refuses."""
 
 import contextlib
 import io
@@ -9,7 +9,7 @@ import sys
 import tempfile
 import unittest
 
-sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[2] / "tools"))
+sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[2] / "tools/studies"))
 import calibrate_health as tool
 
 

@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""tools/compare_filters.py: which bars it calls kept, and the page that it writes of its results."""
+"""tools/studies/compare_filters.py: which bars it calls kept, and the page that it writes of its results."""
 
 import copy
 import json
@@ -8,7 +8,7 @@ import sys
 import tempfile
 import unittest
 
-sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[2] / "tools"))
+sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[2] / "tools/studies"))
 import compare_filters  # noqa: E402
 
 

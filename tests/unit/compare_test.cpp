@@ -15,8 +15,8 @@
 #include "tests/unit/simulated.h"
 #include "tests/unit/small_drive.h"
 #include "tests/unit/temp_file.h"
-#include "tools/bench/run_items.h"
 #include "tools/compare/comparison.h"
+#include "tools/program/run_items.h"
 
 namespace parloc::compare {
 namespace {

@@ -1,5 +1,5 @@
 // The configuration: strict reading with one clear message per mistake, and printing that reads back.
-#include "common/io/config.h"
+#include "common/config/config.h"
 
 #include <gtest/gtest.h>
 
@@ -10,9 +10,9 @@
 #include <string>
 #include <vector>
 
+#include "common/config/settings_table.h"
 #include "common/error.h"
-#include "common/filter/config_fields.h"
-#include "common/io/nearest_name.h"
+#include "common/file/nearest_name.h"
 
 namespace parloc {
 namespace {
@@ -176,8 +176,8 @@ TEST(Config, ValuesArrive) {
 struct Changer {
   double share = 0.0;
   template <class Number>
-  void operator()(const Field& field, Number& value, const Limits<Number>& limits) {
-    if (std::string(field.key).rfind("z_", 0) == 0) {
+  void operator()(const Setting& setting, Number& value, const Limits<Number>& limits) {
+    if (std::string(setting.key).rfind("z_", 0) == 0) {
       value = static_cast<Number>(0.25);  // four shares that sum to 1
     } else {
       // Between the default and the lower limit, at a place that needs all 17 digits.
@@ -185,9 +185,9 @@ struct Changer {
       if (value == limits.low) value = limits.high;
     }
   }
-  void operator()(const Field&, bool& value) { value = !value; }
+  void operator()(const Setting&, bool& value) { value = !value; }
   template <class Enum, std::size_t n>
-  void operator()(const Field&, Enum& value, const std::array<Choice<Enum>, n>& choices) {
+  void operator()(const Setting&, Enum& value, const std::array<Choice<Enum>, n>& choices) {
     value = choices.front().value == value ? choices.back().value : choices.front().value;
   }
 };
@@ -276,7 +276,7 @@ TEST(Config, MistakesInLidarsHaveOneClearLine) {
 
 TEST(Config, PrintedConfigurationReadsBack) {
   FilterConfig changed;
-  visit_fields(changed, Changer{});
+  visit_settings(changed, Changer{});
   changed.scan.min_beams = 3;
   changed.scan.laser_min_range = 0.1 / 3;
   const std::string yaml = config_to_yaml(changed);
@@ -286,7 +286,7 @@ TEST(Config, PrintedConfigurationReadsBack) {
   EXPECT_EQ(again.motion.alpha1, changed.motion.alpha1);
   EXPECT_EQ(again.scan.laser_min_range, 0.1 / 3);
   std::size_t settings = 0, differing_lines = 0;
-  visit_fields(changed, [&](const Field&, const auto&...) { ++settings; });
+  visit_settings(changed, [&](const Setting&, const auto&...) { ++settings; });
   const std::string defaults = config_to_yaml(FilterConfig{});
   for (std::size_t a = 0, b = 0; a < yaml.size() && b < defaults.size();) {
     const std::size_t a_end = yaml.find('\n', a), b_end = defaults.find('\n', b);
@@ -299,10 +299,11 @@ TEST(Config, PrintedConfigurationReadsBack) {
 
 TEST(Config, EveryGroupHasItsHeading) {
   const FilterConfig config;
-  visit_fields(config, [](const Field& field, const auto&...) {
-    bool known = std::string(field.group).empty();
-    for (const FieldGroup& group : kFieldGroups) known = known || std::string(group.name) == field.group;
-    EXPECT_TRUE(known) << field.group << "." << field.key;
+  visit_settings(config, [](const Setting& setting, const auto&...) {
+    bool known = std::string(setting.group).empty();
+    for (const SettingGroup& group : kSettingGroups)
+      known = known || std::string(group.name) == setting.group;
+    EXPECT_TRUE(known) << setting.group << "." << setting.key;
   });
 }
 

@@ -17,7 +17,7 @@ namespace parloc {
 namespace {
 
 using Mask = std::vector<std::uint8_t>;
-using Field = std::vector<std::uint32_t>;
+using DistanceField = std::vector<std::uint32_t>;
 
 struct Map {
   std::int32_t width, height;
@@ -34,8 +34,8 @@ Map random_map(std::int32_t width, std::int32_t height, double density, std::uin
   return map;
 }
 
-Field brute_force(const Map& map) {
-  Field field(map.mask.size(), kNoObstacle);
+DistanceField brute_force(const Map& map) {
+  DistanceField field(map.mask.size(), kNoObstacle);
   for (std::int32_t j = 0; j < map.height; ++j) {
     for (std::int32_t i = 0; i < map.width; ++i) {
       std::uint32_t& least = field[static_cast<std::size_t>(j * map.width + i)];
@@ -50,7 +50,7 @@ Field brute_force(const Map& map) {
   return field;
 }
 
-Field field_of(const Map& map, int threads) {
+DistanceField field_of(const Map& map, int threads) {
   return cpu::squared_distance_field(map.mask.data(), map.width, map.height, threads);
 }
 
@@ -83,7 +83,7 @@ TEST(DistanceField, TestMapT1) {
       0.5, {-1.0, -2.0, 0.0});
   Mask mask;
   for (const Cell c : map.cells) mask.push_back(c == Cell::occupied ? 1 : 0);
-  const Field expected{
+  const DistanceField expected{
       0, 0, 0, 0, 0, 0, 0, 0, 0, 0,  // j = 0
       0, 1, 1, 1, 1, 1, 1, 1, 1, 0,  //
       0, 1, 1, 0, 1, 4, 4, 4, 1, 0,  //
@@ -106,7 +106,7 @@ TEST(DistanceField, KernelBodiesOnTheHostEqualTheOpenMpTwin) {
   std::vector<Map> maps = random_maps();
   maps.push_back(random_map(600, 300, 0.001, 99));  // more rows than threads in a block
   for (const Map& map : maps) {
-    Field field(map.mask.size(), 12345);
+    DistanceField field(map.mask.size(), 12345);
     cuda_on_host::squared_distance_field(map.mask.data(), map.width, map.height, field.data(), {});
     EXPECT_EQ(field, field_of(map, 1)) << map.width << " x " << map.height;
   }
@@ -115,7 +115,7 @@ TEST(DistanceField, KernelBodiesOnTheHostEqualTheOpenMpTwin) {
 TEST(DistanceField, AnyNumberOfThreadsGivesTheSame) {
   for (const Map& map :
        {random_map(500, 300, 0.001, 99), random_map(63, 2, 0.1, 98), random_map(1, 1, 1.0, 97)}) {
-    const Field one = field_of(map, 1);
+    const DistanceField one = field_of(map, 1);
     EXPECT_EQ(field_of(map, 2), one);
     EXPECT_EQ(field_of(map, 4), one);
   }
@@ -123,7 +123,7 @@ TEST(DistanceField, AnyNumberOfThreadsGivesTheSame) {
 
 TEST(DistanceField, WithoutSourcesThereIsNoDistance) {
   const Map map = random_map(70, 5, 0.0, 1);
-  EXPECT_EQ(field_of(map, 2), Field(350, kNoObstacle));
+  EXPECT_EQ(field_of(map, 2), DistanceField(350, kNoObstacle));
 }
 
 // The longest sides: every term of the envelope is at its largest, 2 * 32766^2, and must not overflow.
@@ -132,7 +132,8 @@ TEST(DistanceField, TheLongestSidesDoNotOverflow) {
   for (const bool wide : {true, false}) {
     Mask mask(32767, 0);
     mask.front() = 1;
-    const Field field = cpu::squared_distance_field(mask.data(), wide ? 32767 : 1, wide ? 1 : 32767, 1);
+    const DistanceField field =
+        cpu::squared_distance_field(mask.data(), wide ? 32767 : 1, wide ? 1 : 32767, 1);
     EXPECT_EQ(field.back(), last * last);
     EXPECT_EQ(field[1], 1u);
   }

@@ -1,5 +1,5 @@
 // What is kept of a work whose length is not known beforehand.
-#include "tools/even_sample.h"
+#include "tools/report/even_sample.h"
 
 #include <gtest/gtest.h>
 

@@ -21,7 +21,7 @@ using test::MapField;
 // A step computes in float32: a value of size 1 is good to some 1e-7, and sums of a few such to 1e-6.
 constexpr double kFloat = 1e-6;
 
-FieldValue field_at(const Field& field, double x_m, double y_m) {  // map frame of T1
+FieldValue field_at(const DistanceField& field, double x_m, double y_m) {  // map frame of T1
   const float u = static_cast<float>((x_m + 1.0) / 0.5 - 0.5),
               v = static_cast<float>((y_m + 2.0) / 0.5 - 0.5);
   ScanPose here{u, v, 1.0f, 0.0f};

@@ -4,10 +4,10 @@
 
 #include <cmath>
 
+#include "common/config/config.h"
+#include "common/config/settings_table.h"
 #include "common/error.h"
 #include "common/eval/fit_mixture.h"
-#include "common/filter/config_fields.h"
-#include "common/io/config.h"
 #include "common/math/philox.h"
 
 namespace parloc {

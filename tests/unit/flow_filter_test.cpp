@@ -8,10 +8,10 @@
 #include <limits>
 #include <random>
 
+#include "common/config/config.h"
 #include "common/error.h"
 #include "common/eval/metrics.h"
 #include "common/flow/pose_algebra.h"
-#include "common/io/config.h"
 #include "tests/unit/allocation_count.h"
 #include "tests/unit/small_drive.h"
 

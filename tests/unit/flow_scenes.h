@@ -28,7 +28,7 @@ inline GridMap map_t1() {
 /// The field of a map with its table.
 struct MapField {
   std::vector<DistancePair> table;
-  Field field;
+  DistanceField field;
   MapField(const GridMap& map, float cap_m, FieldInterpolation how = FieldInterpolation::bilinear) {
     const auto occupied = blocking_cells(map, false);
     const auto squared = cpu::squared_distance_field(occupied.data(), map.width, map.height, 1);
@@ -80,7 +80,7 @@ inline Vector3 example_pose() {
 }
 
 /// What a scan says at a pose, as a step computes it.
-inline FieldMeasurement measure(const Field& field, const BeamTable& beams, const Vector3& pose) {
+inline FieldMeasurement measure(const DistanceField& field, const BeamTable& beams, const Vector3& pose) {
   const auto scan = std::make_unique<cpu::PaddedScan>();
   const auto notes = std::make_unique<cpu::BeamNotes>();
   scan->set(&beams);

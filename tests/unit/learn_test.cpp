@@ -6,8 +6,8 @@
 
 #include "common/eval/simulator.h"
 #include "tests/unit/temp_file.h"
-#include "tools/learn_picture.h"
-#include "tools/range_pairs.h"
+#include "tools/learn/learn_picture.h"
+#include "tools/learn/range_pairs.h"
 
 namespace parloc {
 namespace {

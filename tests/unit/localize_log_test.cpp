@@ -1,6 +1,6 @@
 // What `parloc run` does besides reading its command line: the start, the loop over scans, snapshots, step
 // times.
-#include "tools/localize_log.h"
+#include "tools/run/localize_log.h"
 
 #include <gtest/gtest.h>
 
@@ -13,8 +13,8 @@
 #include "common/eval/metrics.h"
 #include "common/eval/simulator.h"
 #include "tests/unit/small_drive.h"
-#include "tools/run_results.h"
-#include "tools/start_pose.h"
+#include "tools/run/run_results.h"
+#include "tools/run/start_pose.h"
 
 namespace parloc::tools {
 namespace {

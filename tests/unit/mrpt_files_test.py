@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Tests of tools/mrpt_files.py and of what tools/compare_mrpt.py refuses. Needs no MRPT; where its recordings are, they are
+"""Tests of tools/studies/mrpt_files.py and of what tools/studies/compare_mrpt.py refuses. Needs no MRPT; where its recordings are, they are
 read with the reader of these tests, so that it knows MRPT's form and not only ours."""
 
 import gzip
@@ -15,7 +15,7 @@ if sys.version_info < (3, 10):
     print(f"Skipped: needs Python 3.10, this is {sys.version.split()[0]}")
     sys.exit(77)
 ROOT = pathlib.Path(__file__).resolve().parents[2]
-sys.path.insert(0, str(ROOT / "tools"))
+sys.path.insert(0, str(ROOT / "tools/studies"))
 import compare_mrpt as compare  # noqa: E402
 import mrpt_files as mrpt  # noqa: E402
 from measuring import Failure  # noqa: E402
@@ -294,7 +294,7 @@ class Comparison(unittest.TestCase):
             self.assertTrue(pathlib.Path(name).is_absolute() and pathlib.Path(name).exists(), name)
 
     def refused(self, *arguments):
-        done = subprocess.run([sys.executable, "-B", ROOT / "tools/compare_mrpt.py", *arguments], capture_output=True, text=True)
+        done = subprocess.run([sys.executable, "-B", ROOT / "tools/studies/compare_mrpt.py", *arguments], capture_output=True, text=True)
         self.assertEqual(done.returncode, 2, done.stderr)
         return done.stderr
 

@@ -1,5 +1,5 @@
 // Reports: what every HTML file and picture must hold, whatever the run looked like.
-#include "common/io/report.h"
+#include "tools/report/report.h"
 
 #include <gtest/gtest.h>
 #include <unistd.h>
@@ -16,8 +16,8 @@
 #include <vector>
 
 #include "common/error.h"
-#include "common/io/html_text.h"
 #include "tests/unit/decoded_png.h"
+#include "tools/report/html_text.h"
 
 namespace parloc {
 namespace {

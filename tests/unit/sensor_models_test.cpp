@@ -5,10 +5,10 @@
 #include <cmath>
 #include <limits>
 
+#include "common/config/config.h"
 #include "common/filter/backend.h"
-#include "common/filter/judge.h"
+#include "common/filter/beam_votes.h"
 #include "common/filter/start.h"
-#include "common/io/config.h"
 #include "common/model/ray_models.h"
 
 namespace parloc {

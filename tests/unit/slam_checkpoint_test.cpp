@@ -7,8 +7,8 @@
 #include <string>
 #include <vector>
 
-#include "common/io/bytes.h"
-#include "common/io/config.h"
+#include "common/config/config.h"
+#include "common/file/bytes.h"
 #include "common/slam/checkpoint_frame.h"
 #include "common/slam/grid_slam.h"
 #include "tests/system/program_runner.h"

@@ -2,8 +2,8 @@
 
 #include <fmt/format.h>
 
-#include "tools/bench/build_info.h"
 #include "tools/bench/scenes.h"
+#include "tools/report/build_info.h"
 
 namespace parloc::bench {
 

@@ -2,10 +2,10 @@
 
 #include <nlohmann/json.hpp>
 
-#include "common/filter/config_fields.h"
-#include "tools/bench/json_parts.h"
+#include "common/config/settings_table.h"
 #include "tools/bench/published.h"
 #include "tools/bench/scenes.h"
+#include "tools/report/machine_json.h"
 
 namespace parloc::bench {
 namespace {

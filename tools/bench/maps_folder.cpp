@@ -6,7 +6,7 @@
 #include <system_error>
 
 #include "common/error.h"
-#include "tools/bench/build_info.h"
+#include "tools/report/build_info.h"
 
 namespace parloc::bench {
 namespace {

@@ -5,7 +5,7 @@
 #include <optional>
 
 #include "tools/bench/control.h"
-#include "tools/bench/statistics.h"
+#include "tools/report/statistics.h"
 
 namespace parloc::bench {
 

@@ -4,11 +4,11 @@
 
 #include <vector>
 
-#include "common/io/html_text.h"
 #include "tools/bench/facts.h"
-#include "tools/bench/page_parts.h"
 #include "tools/bench/plots.h"
 #include "tools/bench/tables.h"
+#include "tools/report/html_page.h"
+#include "tools/report/html_text.h"
 
 namespace parloc::bench {
 namespace {

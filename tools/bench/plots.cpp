@@ -5,10 +5,10 @@
 #include <algorithm>
 #include <array>
 
-#include "tools/bench/numbers.h"
 #include "tools/bench/published.h"
 #include "tools/bench/scale_run.h"
-#include "tools/bench/xy_plot.h"
+#include "tools/report/numbers.h"
+#include "tools/report/xy_plot.h"
 
 namespace parloc::bench {
 namespace {

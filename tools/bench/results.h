@@ -7,11 +7,11 @@
 #include <string>
 #include <vector>
 
-#include "tools/bench/machine.h"
 #include "tools/bench/measure.h"
 #include "tools/bench/rig.h"
-#include "tools/bench/statistics.h"
 #include "tools/bench/variants.h"
+#include "tools/report/machine.h"
+#include "tools/report/statistics.h"
 
 namespace parloc::bench {
 

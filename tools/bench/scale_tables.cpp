@@ -3,8 +3,8 @@
 #include <algorithm>
 #include <numeric>
 
-#include "tools/bench/numbers.h"
 #include "tools/bench/tables.h"
+#include "tools/report/numbers.h"
 
 namespace parloc::bench {
 namespace {

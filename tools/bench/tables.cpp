@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <numeric>
 
-#include "tools/bench/numbers.h"
+#include "tools/report/numbers.h"
 
 namespace parloc::bench {
 namespace {

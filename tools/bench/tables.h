@@ -5,7 +5,7 @@
 
 #include "tools/bench/published.h"
 #include "tools/bench/results.h"
-#include "tools/bench/table.h"
+#include "tools/report/table.h"
 
 namespace parloc::bench {
 

@@ -3,6 +3,7 @@
 # ---- public headers --------------------------------------------------------------------------------------------------
 # Sources say "common/io/log.h", users say <parloc/io/log.h>: the copies differ from the sources in that alone.
 set(PARLOC_PUBLIC_HEADERS
+  config/config.h
   error.h
   eval/metrics.h
   filter/backend_choice.h
@@ -12,10 +13,10 @@ set(PARLOC_PUBLIC_HEADERS
   filter/pose_guess.h
   flow/flow_config.h
   flow/flow_filter.h
-  io/config.h
   io/log.h
   io/trajectory.h
   localize/health.h
+  localize/localize_config.h
   localize/localizer.h
   localize/modes.h
   map/grid_map.h
@@ -24,6 +25,11 @@ set(PARLOC_PUBLIC_HEADERS
   map/segment_map.h
   math/pose.h
   model/beam_counts.h
+  model/motion_config.h
+  model/scan.h
+  model/scan_config.h
+  model/sensor_config.h
+  model/trajectory.h
   search/global_search.h
   search/search_config.h
   slam/grid_slam.h

@@ -6,12 +6,12 @@
 #include <string>
 #include <vector>
 
-#include "tools/bench/machine.h"
-#include "tools/bench/page_parts.h"
-#include "tools/bench/statistics.h"
-#include "tools/bench/table.h"
 #include "tools/compare/published.h"
 #include "tools/compare/run_all.h"
+#include "tools/report/html_page.h"
+#include "tools/report/machine.h"
+#include "tools/report/statistics.h"
+#include "tools/report/table.h"
 
 namespace parloc::compare {
 

@@ -9,9 +9,9 @@
 #include <filesystem>
 #include <system_error>
 
+#include "common/config/config.h"
 #include "common/error.h"
 #include "common/filter/pose_filter.h"
-#include "common/io/config.h"
 
 namespace parloc::compare {
 namespace {

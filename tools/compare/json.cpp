@@ -1,8 +1,8 @@
 #include <nlohmann/json.hpp>
 
-#include "common/io/config.h"
-#include "tools/bench/json_parts.h"
+#include "common/config/config.h"
 #include "tools/compare/comparison.h"
+#include "tools/report/machine_json.h"
 
 namespace parloc::compare {
 namespace {

@@ -5,10 +5,10 @@
 #include <limits>
 #include <optional>
 
-#include "common/io/html_text.h"
-#include "common/io/report_parts.h"
-#include "tools/bench/xy_plot.h"
 #include "tools/compare/comparison.h"
+#include "tools/report/html_text.h"
+#include "tools/report/report_sections.h"
+#include "tools/report/xy_plot.h"
 
 namespace parloc::compare {
 namespace {

@@ -9,7 +9,7 @@
 #include <utility>
 
 #include "common/error.h"
-#include "tools/bench/run_items.h"
+#include "tools/program/run_items.h"
 
 namespace parloc::compare {
 namespace {

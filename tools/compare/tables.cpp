@@ -3,9 +3,9 @@
 #include <cmath>
 #include <iterator>
 
-#include "tools/bench/build_info.h"
-#include "tools/bench/numbers.h"
 #include "tools/compare/comparison.h"
+#include "tools/report/build_info.h"
+#include "tools/report/numbers.h"
 
 namespace parloc::compare {
 namespace {

@@ -8,8 +8,8 @@
 #include "common/eval/trial_summary.h"
 #include "common/localize/localizer.h"
 #include "common/map/grid_map.h"
-#include "tools/bench/machine.h"
-#include "tools/bench/page_parts.h"
+#include "tools/report/html_page.h"
+#include "tools/report/machine.h"
 
 namespace parloc::evaluate {
 

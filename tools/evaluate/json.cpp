@@ -1,8 +1,8 @@
 #include <nlohmann/json.hpp>
 
-#include "common/io/config.h"
-#include "tools/bench/json_parts.h"
+#include "common/config/config.h"
 #include "tools/evaluate/evaluation.h"
+#include "tools/report/machine_json.h"
 
 namespace parloc::evaluate {
 namespace {

@@ -3,8 +3,8 @@
 #include <cmath>
 #include <iterator>
 
-#include "tools/bench/build_info.h"
 #include "tools/evaluate/evaluation.h"
+#include "tools/report/build_info.h"
 
 namespace parloc::evaluate {
 namespace {

@@ -4,12 +4,12 @@
 #include <cmath>
 #include <iterator>
 
-#include "common/io/html_text.h"
-#include "common/io/map_view.h"
-#include "common/io/report_parts.h"
-#include "tools/bench/table.h"
-#include "tools/bench/xy_plot.h"
 #include "tools/evaluate/evaluation.h"
+#include "tools/report/html_text.h"
+#include "tools/report/map_view.h"
+#include "tools/report/report_sections.h"
+#include "tools/report/table.h"
+#include "tools/report/xy_plot.h"
 
 namespace parloc::evaluate {
 namespace {

@@ -5,9 +5,9 @@
 #include <nlohmann/json.hpp>
 
 #include "common/error.h"
-#include "tools/bench/json_parts.h"
-#include "tools/evaluate/relations_parts.h"
-#include "tools/result_parts.h"
+#include "tools/evaluate/relations_tables.h"
+#include "tools/report/config_facts.h"
+#include "tools/report/machine_json.h"
 
 namespace parloc::evaluate {
 namespace {

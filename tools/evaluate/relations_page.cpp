@@ -5,13 +5,13 @@
 #include <numbers>
 #include <optional>
 
-#include "common/io/html_text.h"
-#include "common/io/map_view.h"
-#include "common/io/report_marks.h"
-#include "common/io/report_parts.h"
-#include "tools/bench/build_info.h"
-#include "tools/bench/xy_plot.h"
-#include "tools/evaluate/relations_parts.h"
+#include "tools/evaluate/relations_tables.h"
+#include "tools/report/build_info.h"
+#include "tools/report/html_text.h"
+#include "tools/report/map_view.h"
+#include "tools/report/report_marks.h"
+#include "tools/report/report_sections.h"
+#include "tools/report/xy_plot.h"
 
 namespace parloc::evaluate {
 namespace {

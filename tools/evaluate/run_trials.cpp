@@ -5,7 +5,7 @@
 #include <optional>
 #include <utility>
 
-#include "tools/bench/run_items.h"
+#include "tools/program/run_items.h"
 
 namespace parloc::evaluate {
 namespace {

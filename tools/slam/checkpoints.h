@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "tools/even_sample.h"
+#include "tools/report/even_sample.h"
 #include "tools/slam/digested_log.h"
 #include "tools/slam/map_log.h"
 #include "tools/slam/map_position.h"

@@ -5,7 +5,7 @@
 
 #include <algorithm>
 
-#include "common/io/map_view.h"
+#include "tools/report/map_view.h"
 
 namespace parloc::slam {
 namespace {

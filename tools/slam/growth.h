@@ -5,8 +5,8 @@
 #include <cstddef>
 #include <vector>
 
-#include "common/io/report.h"
 #include "common/slam/grid_slam.h"
+#include "tools/report/report.h"
 
 namespace parloc::slam {
 

@@ -6,9 +6,9 @@
 #include <utility>
 
 #include "common/error.h"
-#include "tools/even_sample.h"
-#include "tools/peak_memory.h"
-#include "tools/scan_stream.h"
+#include "common/io/scan_stream.h"
+#include "tools/report/even_sample.h"
+#include "tools/report/peak_memory.h"
 #include "tools/slam/checkpoints.h"
 
 namespace parloc::slam {
@@ -56,9 +56,9 @@ void finish(const GridSlam& slam, Mapping& m) {
 
 Mapping map_log(LogReader& source, const MapRequest& request) {
   DigestedLog log(source);
-  tools::ScanStream scans(log, request.config, [](std::size_t) {});
+  ScanStream scans(log, request.config, [](std::size_t) {});
   LogRecord record;
-  if (!scans.next(record)) throw tools::no_scan(request.log_name, log.warnings());
+  if (!scans.next(record)) throw no_scan(request.log_name, log.warnings());
   Checkpoints checkpoints(request, log);
   GridSlam slam = request.resume != nullptr ? GridSlam(std::move(*request.resume)) : GridSlam(request.config);
   checkpoints.check(slam);

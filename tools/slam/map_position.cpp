@@ -2,7 +2,7 @@
 
 #include <sstream>
 
-#include "common/io/bytes.h"
+#include "common/file/bytes.h"
 #include "tools/slam/saved_growth.h"
 
 namespace parloc::slam {

@@ -9,9 +9,9 @@
 
 #include "common/eval/align.h"
 #include "common/slam/tiles.h"
-#include "tools/bench/json_parts.h"
-#include "tools/bench/statistics.h"
-#include "tools/result_parts.h"
+#include "tools/report/config_facts.h"
+#include "tools/report/machine_json.h"
+#include "tools/report/statistics.h"
 #include "tools/slam/odometry_choice.h"
 
 namespace parloc::slam {

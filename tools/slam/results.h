@@ -5,7 +5,7 @@
 #include <string>
 
 #include "common/eval/metrics.h"
-#include "common/io/report.h"
+#include "tools/report/report.h"
 #include "tools/slam/map_log.h"
 
 namespace parloc::slam {

@@ -1,6 +1,6 @@
 #include "tools/slam/saved_growth.h"
 
-#include "common/slam/saved_parts.h"
+#include "common/slam/checkpoint_values.h"
 
 namespace parloc::slam {
 namespace {

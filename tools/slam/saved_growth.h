@@ -1,7 +1,7 @@
 // How what there is to show of a growing map is written into a checkpoint and read from it.
 #pragma once
 
-#include "common/io/bytes.h"
+#include "common/file/bytes.h"
 #include "tools/slam/growth.h"
 
 namespace parloc::slam {

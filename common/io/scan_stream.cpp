@@ -1,0 +1,42 @@
+#include "common/io/scan_stream.h"
+
+#include <fmt/format.h>
+
+#include <utility>
+
+#include "common/model/lidar.h"
+
+namespace parloc {
+
+bool ScanStream::next(LogRecord& scan) {
+  while (waiting_.empty())
+    if (!read_record()) return false;
+  scan = std::move(waiting_.front());
+  waiting_.pop_front();
+  const LidarSetup setup = lidar_setup(scan.scan, config_.scan, find_lidar(config_.lidars, scan.scan.sensor));
+  const double until_s = scan.stamp_s + latest_beam_s(scan.scan, setup);
+  // Stamps may run backwards: not for ever.
+  constexpr int farthest = 1000;
+  for (int k = 0; k < farthest && until_s > scan.stamp_s && newest_s_ < until_s; ++k)
+    if (!read_record()) break;
+  return true;
+}
+
+bool ScanStream::read_record() {
+  LogRecord record;
+  const bool there = log_.next(record);
+  check_(there ? record.line : 0);
+  if (!there) return false;
+  newest_s_ = record.stamp_s;
+  odometry_.push_back({record.stamp_s, record.odometry});
+  if (record.kind == RecordKind::scan) waiting_.push_back(std::move(record));
+  return true;
+}
+
+Error no_scan(const std::string& log_name, const LogWarnings& warnings) {
+  std::string message = "expected at least one scan (FLASER, RLASER or ROBOTLASER1), found none";
+  if (!warnings.messages.empty()) message += fmt::format("; {}", warnings.messages.front());
+  return input_error(log_name, 0, message);
+}
+
+}  // namespace parloc

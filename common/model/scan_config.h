@@ -1,0 +1,36 @@
+// Settings of the LiDARs: which beams of a scan are used, and what their values mean.
+#pragma once
+
+#include <optional>
+#include <string>
+
+namespace parloc {
+
+enum class ZeroPolicy { invalid, miss };
+/// Which beam of a scan its stamp is the time of.
+enum class StampAt { first, middle, last };
+/// Which beams of a scan are used, and what their values mean (SPEC 0.3).
+struct ScanConfig {
+  int max_beams = 100;            ///< Evenly spaced in angle.
+  int min_beams = 5;              ///< Fewer usable beams: prediction only.
+  double laser_min_range = 0.1;   ///< Used where the log gives none [m].
+  double laser_max_range = 40.0;  ///< Used where the log gives none [m].
+  ZeroPolicy zero_policy = ZeroPolicy::invalid;
+  double scan_time = 0.0;             ///< From the first beam to the last, where the log does not say [s].
+  StampAt stamp_at = StampAt::first;  ///< As in ROS.
+};
+
+/// What the log does not say of one LiDAR, or says wrongly. What is empty is as the log says, then as
+/// ScanConfig does.
+struct LidarConfig {
+  std::string name;                       ///< As the log calls it (Scan::sensor).
+  std::optional<double> x{}, y{}, yaw{};  ///< Pose on the robot [m, rad].
+  bool upside_down = false;               ///< Mirrored about its own x axis: angles run the other way.
+  std::optional<double> min_range{}, max_range{};  ///< [m]
+  std::optional<int> max_beams{};
+  std::optional<ZeroPolicy> zero_policy{};
+  std::optional<double> scan_time{};  ///< [s]
+  std::optional<StampAt> stamp_at{};
+};
+
+}  // namespace parloc

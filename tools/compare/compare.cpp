@@ -1,0 +1,238 @@
+// parloc compare: several filters on the same map, drives, truth and seeds.
+#include <fmt/format.h>
+
+#include <CLI/CLI.hpp>
+#include <algorithm>
+#include <chrono>
+#include <cstdint>
+#include <cstdio>
+#include <memory>
+#include <string>
+#include <tuple>
+#include <utility>
+#include <vector>
+
+#include "common/config/config.h"
+#include "common/error.h"
+#include "common/eval/scenario.h"
+#include "common/file/output_file.h"
+#include "common/map/map_reader.h"
+#include "tools/compare/comparison.h"
+#include "tools/map/load_map.h"
+#include "tools/program/commands.h"
+#include "tools/program/interrupt.h"
+#include "tools/program/output_folder.h"
+#include "tools/program/parse_number.h"
+#include "tools/program/progress.h"
+#include "tools/program/text_option.h"
+
+namespace parloc::tools {
+namespace {
+
+using compare::Comparison;
+using compare::DriveSource;
+
+constexpr double kLongest_s = 1e6, kFarthest_m = 1e4;
+
+/// The command line; what was not given is empty.
+struct CompareOptions {
+  std::string filters, scenario, log, truth, map, config, seeds, seed, duration, sigma, start_error, kidnap,
+      kappa, people, jobs, out;
+  bool quiet = false;
+};
+
+void declare(CLI::App& app, CompareOptions& o) {
+  add_text_option(app, "--filters", o.filters, "LIST", "KIND[@PARTICLES][=CONFIG.yaml],... (all kinds)");
+  add_text_option(app, "--scenario", o.scenario, "S.yaml", "Simulate its drive, anew for every seed");
+  add_text_option(app, "--log", o.log, "LOG", "Or take a recorded log ...");
+  add_text_option(app, "--truth", o.truth, "T.tum", "... with its true path");
+  add_text_option(app, "--map", o.map, "M.yaml", "Map to localize on (the scenario's)");
+  add_text_option(app, "--config", o.config, "C.yaml", "Settings that all filters start from");
+  add_text_option(app, "--seeds", o.seeds, "N", "How many (5)");
+  add_text_option(app, "--seed", o.seed, "FIRST", "First seed (1)");
+  add_text_option(app, "--duration", o.duration, "S", "Only so much of each drive");
+  add_text_option(app, "--sigma", o.sigma, "M,RAD", "Spread of the start they are told (0.1,0.05)");
+  add_text_option(app, "--start-error", o.start_error, "M,DEG", "How wrong that start is (0,0)");
+  add_text_option(app, "--kidnap", o.kidnap, "S[..T],M", "After S (to T) s carry the robot off by M metres");
+  add_text_option(app, "--kappa", o.kappa, "M", "Error of the wheels, instead of the scenario's");
+  add_text_option(app, "--people", o.people, "N", "Around the robot, instead of the scenario's");
+  add_text_option(app, "--jobs", o.jobs, "K", "Seeds at once: spoils the times (1)");
+  add_text_option(app, "--out", o.out, "DIR", "Write compare.json, compare.md, report.html");
+  app.add_flag("--quiet", o.quiet, "No progress and no tables");
+  app.get_help_ptr()->group("");  // whoever reads the list knows it
+  app.footer("Kinds: mcl amcl ekf ekf_beams edh naedh ledh gromov pfpf. docs/compare.md");
+}
+
+/// "0.5,30": two numbers from 0 on.
+std::pair<double, double> two_numbers(const char* option, const std::string& text, double most,
+                                      double second_most) {
+  const std::size_t comma = text.find(',');
+  if (comma == std::string::npos)
+    throw Error(ErrorKind::usage,
+                fmt::format("{}: expected two numbers with a comma between, got '{}'", option, text));
+  return {parse_number(option, text.substr(0, comma), 0.0, most),
+          parse_number(option, text.substr(comma + 1), 0.0, second_most)};
+}
+
+/// "60,2" or "60..180,2".
+compare::Kidnapping kidnapping_of(const std::string& text) {
+  const std::size_t dots = text.find("..");
+  const bool single = dots == std::string::npos;
+  compare::Kidnapping k;
+  std::tie(k.until_s, k.distance_m) =
+      two_numbers("--kidnap", single ? text : text.substr(dots + 2), kLongest_s, kFarthest_m);
+  k.after_s = single ? k.until_s : parse_number("--kidnap", text.substr(0, dots), 0.0, k.until_s);
+  return k;
+}
+
+constexpr double kRadPerDeg = 3.14159265358979323846 / 180.0;
+constexpr std::uint64_t kMostSeeds = 10000, kLastSeed = 1000000000;
+
+void check_options(const CompareOptions& o) {
+  const auto usage = [](const char* words) { return Error(ErrorKind::usage, words); };
+  if (o.scenario.empty() == o.log.empty()) throw usage("expected --scenario or --log, and not both");
+  if (o.log.empty()) {
+    if (!o.truth.empty()) throw usage("--truth belongs to a log: expected --log");
+    return;
+  }
+  if (o.map.empty() || o.truth.empty()) throw usage("--log: expected --map M.yaml and --truth T.tum as well");
+  if (!o.kappa.empty() || !o.people.empty())
+    throw usage("--kappa and --people are simulated: expected --scenario");
+}
+
+compare::DrivePlan plan_of(const CompareOptions& o) {
+  compare::DrivePlan plan;
+  if (!o.duration.empty()) plan.duration_s = parse_number("--duration", o.duration, 0.5, kLongest_s);
+  if (!o.kidnap.empty()) plan.kidnapping = kidnapping_of(o.kidnap);
+  return plan;
+}
+
+compare::StartPlan start_of(const CompareOptions& o) {
+  compare::StartPlan start;
+  if (!o.sigma.empty())
+    std::tie(start.sigma_xy_m, start.sigma_theta_rad) = two_numbers("--sigma", o.sigma, 1e3, 10.0);
+  if (!o.start_error.empty()) {
+    const auto [off_m, off_deg] = two_numbers("--start-error", o.start_error, kFarthest_m, 180.0);
+    start.off_m = off_m;
+    start.off_rad = off_deg * kRadPerDeg;
+  }
+  return start;
+}
+
+compare::Request request_of(const CompareOptions& o) {
+  compare::Request r;
+  const FilterConfig base = o.config.empty() ? FilterConfig{} : read_config(o.config);
+  r.entries = compare::read_entries(o.filters.empty() ? compare::kDefaultFilters : o.filters, base);
+  r.start = start_of(o);
+  r.first_seed = whole_within("--seed", o.seed, 0, kLastSeed, 1);
+  r.seeds = whole_within("--seeds", o.seeds, 1, kMostSeeds, 5);
+  r.jobs = static_cast<int>(std::min(whole_within("--jobs", o.jobs, 1, 256, 1), std::uint64_t{r.seeds}));
+  return r;
+}
+
+Scenario scenario_of(const CompareOptions& o) {
+  Scenario scenario = read_scenario(o.scenario);
+  if (!o.people.empty())
+    scenario.clutter.people = static_cast<int>(whole_within("--people", o.people, 0, 1000, 0));
+  if (o.kappa.empty()) return scenario;
+  if (scenario.odometry.errors != OdometryErrors::wheels)
+    throw Error(ErrorKind::usage, "--kappa: expected a scenario whose odometry has form: wheels");
+  scenario.odometry.kappa_m = parse_number("--kappa", o.kappa, 0.0, 1.0);
+  return scenario;
+}
+
+/// Fills in what `c` says of the drives as well.
+std::unique_ptr<DriveSource> source_of(const CompareOptions& o, Comparison& c) {
+  c.map_path = o.map;
+  if (o.scenario.empty()) return compare::recorded_drives(c.plan, o.log, o.truth);
+  const Scenario scenario = scenario_of(o);
+  if (c.map_path.empty()) c.map_path = scenario.localization_map_path;
+  if (c.map_path.empty())
+    throw Error(ErrorKind::usage, o.scenario + " names no localization_map: expected --map M.yaml");
+  return compare::simulated_drives(c.plan, scenario, read_map(scenario.map_path), o.scenario);
+}
+
+/// The published table, if this is its experiment: the plain drive of the scenario that stands for it.
+const compare::PublishedSetting* published_for(const CompareOptions& o, const Comparison& c,
+                                               const GridMap& map) {
+  if (o.scenario.empty() || c.plan.kidnapping || c.plan.duration_s > 0.0 || c.request.start.off_m > 0.0 ||
+      c.request.start.off_rad > 0.0)
+    return nullptr;
+  const Scenario s = scenario_of(o);
+  const bool theirs = s.odometry.errors == OdometryErrors::wheels && s.clutter.people == 0 &&
+                      s.path_file.find("tb3_house") != std::string::npos;
+  return theirs ? compare::find_published(s.odometry.kappa_m, s.lidar.sigma_range_m, map.resolution_m)
+                : nullptr;
+}
+
+void run_with_progress(Comparison& c, const DriveSource& source, const GridMap& map, bool quiet) {
+  catch_interrupts();
+  Progress progress(Progress::style_here(quiet));
+  const std::size_t wanted = c.request.seeds * c.request.entries.size();
+  c.request.stop = interrupted;
+  c.request.progress = [&](double fraction, std::size_t finished) {
+    progress.update(fraction, fmt::format("{} of {} runs", finished, wanted));
+  };
+  const auto begun = std::chrono::steady_clock::now();
+  c.outcome = compare::run_all(c.request, source, map);
+  c.wall_s = std::chrono::duration<double>(std::chrono::steady_clock::now() - begun).count();
+  c.interrupted = c.outcome.finished < wanted;
+  for (const auto& runs : c.outcome.runs) c.summaries.push_back(compare::summarise(runs));
+}
+
+/// Without any, every filter would be one that drives blind.
+void check_walls(const GridMap& map, const std::string& path) {
+  if (std::find(map.cells.begin(), map.cells.end(), Cell::occupied) == map.cells.end())
+    throw input_error(path, 0, "expected a map with walls, found no occupied cell");
+}
+
+constexpr const char* kJson = "compare.json";
+constexpr const char* kMarkdown = "compare.md";
+constexpr const char* kPage = "report.html";
+
+int run(const CompareOptions& o, const std::string& typed) {
+  // Everything that can be wrong is looked at before the long work.
+  check_options(o);
+  Comparison c;
+  c.command = typed;
+  c.date = bench::date_now();
+  c.machine = bench::machine_here();
+  c.plan = plan_of(o);
+  c.request = request_of(o);
+  const std::unique_ptr<DriveSource> source = source_of(o, c);
+  c.source = source->what();
+  const GridMap map = load_map(c.map_path).map;
+  check_walls(map, c.map_path);
+  c.published = published_for(o, c, map);
+  std::unique_ptr<OutputFolder> out;
+  if (!o.out.empty())
+    out = std::make_unique<OutputFolder>(o.out, std::vector<std::string>{kJson, kMarkdown, kPage});
+
+  run_with_progress(c, *source, map, o.quiet);
+  if (c.outcome.finished == 0) {
+    fmt::print(stderr, "parloc: interrupted before the first run was finished, nothing is written\n");
+    return kExitInterrupted;
+  }
+  if (out) {
+    replace_file(out->staged(kJson), compare::json_text(c));
+    replace_file(out->staged(kMarkdown), compare::markdown_text(c));
+    replace_file(out->staged(kPage), compare::html_page(c));
+    out->publish();
+  }
+  if (!o.quiet) {
+    fmt::print("{}", compare::terminal_text(c));
+    if (out) fmt::print("{:<12}{} (beside it: {}, {})\n", "report", out->final_path(kPage), kJson, kMarkdown);
+  }
+  return c.interrupted ? kExitInterrupted : 0;
+}
+
+}  // namespace
+
+Command add_compare_command(CLI::App& program, const std::string& typed) {
+  CLI::App* app = program.add_subcommand("compare", "Several filters on the same drives: which is how good?");
+  const auto o = std::make_shared<CompareOptions>();
+  declare(*app, *o);
+  return {app, [=] { return run(*o, typed); }};
+}
+
+}  // namespace parloc::tools

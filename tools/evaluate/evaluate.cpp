@@ -1,0 +1,258 @@
+// parloc evaluate: many trials of the localizer, simulated or from a log, and what they say together; or the
+// relation error of a trajectory.
+#include <fmt/format.h>
+
+#include <CLI/CLI.hpp>
+#include <algorithm>
+#include <chrono>
+#include <cstdio>
+#include <filesystem>
+#include <fstream>
+#include <memory>
+#include <string>
+#include <thread>
+#include <utility>
+#include <vector>
+
+#include "common/config/config.h"
+#include "common/error.h"
+#include "common/eval/scenario.h"
+#include "common/file/output_file.h"
+#include "common/map/map_reader.h"
+#include "tools/evaluate/evaluate_relations.h"
+#include "tools/evaluate/evaluation.h"
+#include "tools/evaluate/run_trials.h"
+#include "tools/evaluate/trial_source.h"
+#include "tools/map/load_map.h"
+#include "tools/program/commands.h"
+#include "tools/program/interrupt.h"
+#include "tools/program/output_folder.h"
+#include "tools/program/parse_number.h"
+#include "tools/program/progress.h"
+#include "tools/program/text_option.h"
+
+namespace parloc::tools {
+namespace {
+
+using evaluate::Evaluation;
+using evaluate::TrialSource;
+
+/// The command line; what was not given is empty.
+struct EvaluateOptions {
+  std::string scenario, log, map, truth, task, trials, starts, seed, duration, limit, config, particles,
+      range, fov, jobs, samples, trajectory, relations, dataset, out;
+  bool json = false, quiet = false;
+};
+
+void declare(CLI::App& app, EvaluateOptions& o) {
+  add_text_option(app, "--scenario", o.scenario, "S.yaml", "Simulate its LiDAR, odometry and clutter");
+  add_text_option(app, "--log", o.log, "LOG", "Or take a recorded log, ...");
+  add_text_option(app, "--truth", o.truth, "T.tum", "... with its true path, from --starts K times (20)");
+  add_text_option(app, "--starts", o.starts, "K", "Spread over the log")->group("");
+  add_text_option(app, "--map", o.map, "M.yaml", "Map to localize on (the scenario's)");
+  add_text_option(app, "--task", o.task, "WHAT", "global, kidnap or track (global)");
+  add_text_option(app, "--trials", o.trials, "N", "How many (100; of a log, all starts)");
+  add_text_option(app, "--seed", o.seed, "FIRST", "First seed; of a log, first start (1)");
+  add_text_option(app, "--duration", o.duration, "S", "Of a trial (limit + 10; of a log, to its end)");
+  add_text_option(app, "--limit", o.limit, "S", "Success: localized by then (3; kidnap 5)");
+  add_text_option(app, "--config", o.config, "C.yaml", "Settings of the filter");
+  add_text_option(app, "--particles", o.particles, "N", "Instead of the configuration's");
+  add_text_option(app, "--range", o.range, "M", "Of the first LiDAR; --fov DEG likewise, its beams stay");
+  add_text_option(app, "--fov", o.fov, "DEG", "Of the first LiDAR; its beams stay")->group("");
+  add_text_option(app, "--jobs", o.jobs, "K", "Trials at once (all cores)");
+  add_text_option(app, "--samples", o.samples, "F.csv", "Write every scan of every trial there");
+  add_text_option(app, "--trajectory", o.trajectory, "T.tum", "Or no trials: judge this trajectory ...");
+  add_text_option(app, "--relations", o.relations, "R.txt", "... by relations (--dataset NAME: of that log)");
+  add_text_option(app, "--dataset", o.dataset, "NAME", "Published figures of that log beside")->group("");
+  add_text_option(app, "--out", o.out, "DIR", "Write report.html and a JSON file there");
+  app.add_flag("--json", o.json, "The JSON on standard output")->group("");
+  app.add_flag("--quiet", o.quiet, "No progress and no tables; --json: the JSON instead");
+  app.get_help_ptr()->group("");  // whoever reads the list knows it
+  app.footer("docs/evaluate.md");
+}
+
+constexpr double kLongest_s = 1e5;
+constexpr std::uint64_t kMostTrials = 100000, kLastSeed = 1000000000;
+
+TrialPlan plan_of(const EvaluateOptions& o, double& limit_s) {
+  TrialPlan plan;
+  const std::string task = o.task.empty() ? "global" : o.task;
+  bool known = false;
+  for (const TrialTask t : {TrialTask::global, TrialTask::kidnap, TrialTask::track}) {
+    if (task != evaluate::name_of(t)) continue;
+    plan.task = t;
+    known = true;
+  }
+  if (!known)
+    throw Error(ErrorKind::usage, fmt::format("--task: expected global, kidnap or track, got '{}'", task));
+  limit_s = plan.task == TrialTask::kidnap ? 5.0 : 3.0;
+  if (!o.limit.empty()) limit_s = parse_number("--limit", o.limit, 0.0, kLongest_s);
+  plan.duration_s = !o.log.empty() ? 0.0 : limit_s + plan.hold_s;
+  if (!o.duration.empty()) plan.duration_s = parse_number("--duration", o.duration, 0.5, kLongest_s);
+  return plan;
+}
+
+LocalizerConfig config_of(const EvaluateOptions& o) {
+  LocalizerConfig c;
+  if (!o.config.empty()) c.filter = read_config(o.config);
+  if (!o.particles.empty()) c.filter.particles = parse_whole_number<std::int64_t>("--particles", o.particles);
+  try {
+    validate(c.filter);
+  } catch (const Error& e) {  // a file is sound by now, so it is the command line
+    throw Error(ErrorKind::usage, e.what());
+  }
+  c.search.backend = c.filter.backend, c.search.device = c.filter.device;
+  return c;
+}
+
+bool asks_for_relations(const EvaluateOptions& o) {
+  return !o.relations.empty() || !o.trajectory.empty() || !o.dataset.empty();
+}
+
+/// Of a command line that asks for relations.
+RelationsOptions relations_options(const EvaluateOptions& o) {
+  if (o.relations.empty() || o.trajectory.empty())
+    throw Error(ErrorKind::usage, "expected --relations R.txt and --trajectory T.tum together");
+  const std::pair<const char*, const std::string&> of_trials[] = {
+      {"--scenario", o.scenario}, {"--log", o.log},       {"--map", o.map},
+      {"--truth", o.truth},       {"--task", o.task},     {"--trials", o.trials},
+      {"--starts", o.starts},     {"--seed", o.seed},     {"--duration", o.duration},
+      {"--limit", o.limit},       {"--config", o.config}, {"--particles", o.particles},
+      {"--range", o.range},       {"--fov", o.fov},       {"--jobs", o.jobs},
+      {"--samples", o.samples}};
+  for (const auto& [name, value] : of_trials)
+    if (!value.empty())
+      throw Error(
+          ErrorKind::usage,
+          fmt::format("{} belongs to trials, of which --relations has none: expected one or the other",
+                      name));
+  return {o.trajectory, o.relations, o.dataset, o.out, o.json, o.quiet};
+}
+
+void check_options(const EvaluateOptions& o) {
+  const auto usage = [](const char* words) { return Error(ErrorKind::usage, words); };
+  if (o.scenario.empty() == o.log.empty())
+    throw usage("expected --scenario or --log, and not both; or --relations and --trajectory");
+  if (o.log.empty()) {
+    if (!o.truth.empty() || !o.starts.empty())
+      throw usage("--truth and --starts belong to a log: expected --log");
+    return;
+  }
+  if (o.map.empty() || o.truth.empty()) throw usage("--log: expected --map M.yaml and --truth T.tum as well");
+  if (!o.range.empty() || !o.fov.empty()) throw usage("--range and --fov are simulated: expected --scenario");
+  if (o.task == "kidnap") throw usage("--task kidnap is simulated: expected --scenario");
+}
+
+Scenario scenario_of(const EvaluateOptions& o) {
+  Scenario scenario = read_scenario(o.scenario);
+  SimulatedLidar& lidar = scenario.lidar;
+  if (!o.range.empty()) lidar.range_max_m = parse_number("--range", o.range, lidar.range_min_m + 0.1, 1000.0);
+  if (!o.fov.empty()) {
+    const double fov_rad = parse_number("--fov", o.fov, 1.0, 360.0) * 3.14159265358979323846 / 180.0;
+    lidar.angle_min_rad = -0.5 * fov_rad;
+    lidar.angle_step_rad = fov_rad / lidar.beams;
+  }
+  return scenario;
+}
+
+/// Fills in what `e` says of the trials as well.
+std::unique_ptr<TrialSource> source_of(const EvaluateOptions& o, Evaluation& e) {
+  e.recorded = !o.log.empty();
+  if (!e.recorded) {
+    const Scenario scenario = scenario_of(o);
+    e.map_path = o.map.empty() ? scenario.localization_map_path : o.map;
+    if (e.map_path.empty())
+      throw Error(ErrorKind::usage, o.scenario + " names no localization_map: expected --map M.yaml");
+    e.wanted = whole_within("--trials", o.trials, 1, kMostTrials, 100);
+    return evaluate::simulated_trials(e.plan, scenario, read_map(scenario.map_path), o.scenario);
+  }
+  const auto starts = whole_within("--starts", o.starts, 1, kMostTrials, 20);
+  if (e.first_seed < 1 || e.first_seed > starts)
+    throw Error(ErrorKind::usage,
+                fmt::format("--seed: expected a start from 1 to {}, got {}", starts, e.first_seed));
+  const std::uint64_t left = starts - e.first_seed + 1;
+  e.wanted = whole_within("--trials", o.trials, 1, left, left);
+  e.map_path = o.map;
+  return evaluate::recorded_trials({o.log, o.truth, starts, e.plan.duration_s});
+}
+
+void run_all(Evaluation& e, const TrialSource& source, const GridMap& map, bool quiet) {
+  catch_interrupts();
+  Progress progress(Progress::style_here(quiet));
+  evaluate::TrialsRequest request{e.plan, e.config, e.first_seed, e.wanted, e.jobs, interrupted, {}};
+  request.progress = [&](double fraction, std::size_t finished) {
+    progress.update(fraction, fmt::format("{} of {} trials", finished, e.wanted));
+  };
+  const auto begun = std::chrono::steady_clock::now();
+  e.trials = evaluate::run_trials(request, source, map);
+  e.wall_s = std::chrono::duration<double>(std::chrono::steady_clock::now() - begun).count();
+  e.interrupted = e.trials.size() < e.wanted;
+  e.summary = summarise(e.plan, e.limit_s, e.trials);
+}
+
+constexpr const char* kJson = "evaluate.json";
+constexpr const char* kPage = "report.html";
+
+void write_results(const Evaluation& e, const GridMap& map, OutputFolder* out, const std::string& samples) {
+  if (out != nullptr) {
+    replace_file(out->staged(kJson), evaluate::json_text(e));
+    replace_file(out->staged(kPage), evaluate::html_page(e, map));
+    out->publish();
+  }
+  if (!samples.empty()) replace_file(samples, evaluate::samples_csv(e));
+}
+
+/// Before the long work; what is there stays.
+void check_writable(const std::string& path) {
+  const bool there = std::filesystem::exists(path);
+  if (!std::ofstream(path, std::ios::app))
+    throw Error(ErrorKind::output, fmt::format("{}: cannot be written", path));
+  if (!there) std::filesystem::remove(path);
+}
+
+int run(const EvaluateOptions& o, const std::string& typed) {
+  if (asks_for_relations(o)) return evaluate_relations(relations_options(o), typed);
+  // Everything that can be wrong is looked at before the long work.
+  check_options(o);
+  Evaluation e;
+  e.command = typed;
+  e.date = bench::date_now();
+  e.machine = bench::machine_here();
+  e.plan = plan_of(o, e.limit_s);
+  e.first_seed = whole_within("--seed", o.seed, 0, kLastSeed, 1);
+  const auto cores = std::max<std::uint64_t>(1, std::thread::hardware_concurrency());
+  const std::uint64_t jobs = whole_within("--jobs", o.jobs, 1, 256, std::min<std::uint64_t>(cores, 256));
+  e.config = config_of(o);
+  const std::unique_ptr<TrialSource> source = source_of(o, e);
+  e.source = source->what();
+  e.jobs = static_cast<int>(std::min<std::uint64_t>(jobs, e.wanted));
+  const GridMap map = load_map(e.map_path).map;
+  std::unique_ptr<OutputFolder> out;
+  if (!o.out.empty()) out = std::make_unique<OutputFolder>(o.out, std::vector<std::string>{kJson, kPage});
+  if (!o.samples.empty()) check_writable(o.samples);
+
+  run_all(e, *source, map, o.quiet);
+  if (e.trials.empty()) {
+    fmt::print(stderr, "parloc: interrupted before the first trial was finished, nothing is written\n");
+    return kExitInterrupted;
+  }
+  write_results(e, map, out.get(), o.samples);
+  if (o.json) {
+    std::fputs(evaluate::json_text(e).c_str(), stdout);
+  } else if (!o.quiet) {
+    fmt::print("{}", evaluate::terminal_text(e));
+    if (out) fmt::print("{:<18}{} (beside it: {})\n", "report", out->final_path(kPage), kJson);
+  }
+  return e.interrupted ? kExitInterrupted : 0;
+}
+
+}  // namespace
+
+Command add_evaluate_command(CLI::App& program, const std::string& typed) {
+  CLI::App* app = program.add_subcommand("evaluate", "Try the localizer many times: how often is it right?");
+  const auto o = std::make_shared<EvaluateOptions>();
+  declare(*app, *o);
+  return {app, [=] { return run(*o, typed); }};
+}
+
+}  // namespace parloc::tools

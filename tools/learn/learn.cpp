@@ -1,0 +1,154 @@
+// parloc learn: the numbers of the beam mixture, from a log with known poses.
+#include <fmt/format.h>
+
+#include <CLI/CLI.hpp>
+#include <cmath>
+#include <cstdio>
+#include <memory>
+#include <string>
+
+#include "common/config/config.h"
+#include "common/config/settings_table.h"
+#include "common/error.h"
+#include "common/file/output_file.h"
+#include "common/io/trajectory.h"
+#include "common/map/map_reader.h"
+#include "tools/learn/learn_picture.h"
+#include "tools/learn/range_pairs.h"
+#include "tools/program/commands.h"
+#include "tools/program/interrupt.h"
+#include "tools/program/output_folder.h"
+#include "tools/program/parse_number.h"
+#include "tools/program/progress.h"
+#include "tools/program/text_option.h"
+
+namespace parloc::tools {
+namespace {
+
+struct LearnOptions {
+  std::string map, log, truth, config, beams;
+  std::string out = "parloc_learned";
+  bool quiet = false;
+};
+
+constexpr const char* kConfig = "sensor.yaml";
+constexpr const char* kPicture = "mixture.png";
+
+void declare(CLI::App& app, LearnOptions& o) {
+  add_text_option(app, "--map", o.map, "M.yaml", "ROS map_server YAML")->required();
+  add_text_option(app, "--log", o.log, "LOG", "CARMEN log, plain or gzip")->required();
+  add_text_option(app, "--truth", o.truth, "T.tum", "True poses, or the trajectory.tum of a run")->required();
+  add_text_option(app, "--config", o.config, "C.yaml", "Where the search starts, and which beams are used");
+  add_text_option(app, "--beams", o.beams, "B", "Beams used of a scan, 1 to 4096");
+  add_text_option(app, "--out", o.out, "DIR", "Folder for the results (parloc_learned)");
+  app.add_flag("--quiet", o.quiet, "No progress; print the settings alone");
+  app.footer(
+      "Learns z_hit, z_short, z_max, z_rand, sigma_hit and lambda_short of the models beam and\n"
+      "class_conditional from measured and expected ranges (EM). Prints a block for a\n"
+      "configuration; writes it (sensor.yaml) and a histogram (mixture.png).");
+}
+
+FilterConfig effective_config(const LearnOptions& o) {
+  FilterConfig config = o.config.empty() ? FilterConfig{} : read_config(o.config);
+  const SensorModel model = config.sensor.model;
+  if (model != SensorModel::beam && model != SensorModel::class_conditional)
+    config.sensor = default_sensor(SensorModel::beam);
+  if (!o.beams.empty()) {
+    config.scan.max_beams = parse_whole_number<int>("--beams", o.beams);
+    config.scan.min_beams = 1;
+  }
+  try {
+    validate(config);
+  } catch (const Error& e) {  // a file is sound by now, so it is the command line
+    throw Error(ErrorKind::usage, e.what());
+  }
+  return config;
+}
+
+/// A start from which every cause can grow.
+Mixture start_of(const SensorConfig& c) {
+  const auto share = [](double z) { return std::max(z, 0.01); };
+  const double sum = share(c.z_hit) + share(c.z_short) + share(c.z_max) + share(c.z_rand);
+  return {share(c.z_hit) / sum, share(c.z_short) / sum, share(c.z_max) / sum, share(c.z_rand) / sum,
+          c.sigma_hit,          c.lambda_short};
+}
+
+const char* name_of(SensorModel model) {
+  for (const auto& choice : kSensorModels)
+    if (choice.value == model) return choice.name;
+  return "?";
+}
+
+std::string sensor_block(const SensorConfig& s, const std::string& typed) {
+  return fmt::format(
+      "# learned by: {}\n"
+      "sensor:\n"
+      "  model: {}\n"
+      "  z_hit: {:g}\n"
+      "  z_short: {:g}\n"
+      "  z_max: {:g}\n"
+      "  z_rand: {:g}\n"
+      "  sigma_hit: {:g}        # [m]\n"
+      "  lambda_short: {:g}     # [1/m]\n",
+      typed, name_of(s.model), s.z_hit, s.z_short, s.z_max, s.z_rand, s.sigma_hit, s.lambda_short);
+}
+
+RangePairsOfLog collect(const LearnOptions& o, const FilterConfig& config) {
+  const GridMap map = read_map(o.map);
+  const std::unique_ptr<LogReader> log = open_carmen_log(o.log);
+  const Trajectory truth = read_tum(o.truth);
+  Progress progress(Progress::style_here(o.quiet));
+  return collect_range_pairs(map, *log, truth, config, [&](double fraction) {
+    progress.update(fraction);
+    return !interrupted();
+  });
+}
+
+[[noreturn]] void refuse(const LearnOptions& o, const RangePairsOfLog& found) {
+  throw input_error(
+      o.log, 0,
+      fmt::format("expected at least {} beams with a true pose, found {} in {} scans, {} of them "
+                  "without a pose in {}",
+                  kFewestPairs, found.ranges.pairs.size(), found.scans, found.without_pose, o.truth));
+}
+
+int run(const LearnOptions& o, const std::string& typed) {
+  const FilterConfig config = effective_config(o);
+  OutputFolder out(o.out, {kConfig, kPicture});
+  catch_interrupts();
+  const RangePairsOfLog found = collect(o, config);
+  if (found.ranges.pairs.size() < kFewestPairs) {
+    if (interrupted()) return kExitInterrupted;
+    refuse(o, found);
+  }
+  const MixtureFit fit =
+      fit_mixture(found.ranges, start_of(config.sensor), 500, 1e-7, [](int) { return !interrupted(); });
+  FilterConfig learned = config;
+  learned.sensor = with_mixture(config.sensor, fit.mixture);
+  validate(learned);
+  const std::string block = sensor_block(learned.sensor, typed);
+  replace_file(out.staged(kConfig), block);
+  write_mixture_picture(out.staged(kPicture), found.ranges, fit.mixture);
+  out.publish();
+  std::fputs(block.c_str(), stdout);
+  if (!o.quiet) {
+    fmt::print(stderr, "{:<16}{} of {} scans, those without a pose: {}\n", "beams", found.ranges.pairs.size(),
+               found.scans, found.without_pose);
+    fmt::print(stderr, "{:<16}{:.4f} per beam after {} rounds, from {:.4f}{}\n", "log-likelihood",
+               fit.log_likelihood.back(), fit.log_likelihood.size(), fit.log_likelihood.front(),
+               fit.converged ? "" : " (not at its end yet)");
+    fmt::print(stderr, "{:<16}{} (beside it: {})\n", "picture", out.final_path(kPicture), kConfig);
+  }
+  return interrupted() ? kExitInterrupted : 0;
+}
+
+}  // namespace
+
+Command add_learn_command(CLI::App& program, const std::string& typed) {
+  CLI::App* app = program.add_subcommand("learn", "Learn the beam mixture from a log with known poses");
+  const auto options = std::make_shared<LearnOptions>();
+  declare(*app, *options);
+  return {app, [options, typed] { return run(*options, typed); }};
+}
+
+}  // namespace parloc::tools

@@ -1,0 +1,42 @@
+#include "tools/program/run_items.h"
+
+#include <atomic>
+#include <chrono>
+#include <exception>
+#include <mutex>
+#include <thread>
+#include <vector>
+
+namespace parloc::bench {
+
+void run_items(const ItemsRequest& request,
+               const std::function<Worker(std::size_t, const KeepGoing&)>& make_worker) {
+  std::atomic<std::size_t> next = 0;
+  std::atomic<int> running = request.threads;
+  std::atomic<bool> stopped = false;
+  std::mutex mutex;
+  std::exception_ptr error;
+  const KeepGoing keep_going = [&] { return !stopped; };
+  const auto work = [&](std::size_t thread) {
+    try {
+      const Worker worker = make_worker(thread, keep_going);
+      for (std::size_t k = next++; k < request.items && !stopped; k = next++) worker(k);
+    } catch (...) {
+      const std::lock_guard lock(mutex);
+      if (!error) error = std::current_exception();
+      stopped = true;
+    }
+    --running;
+  };
+  std::vector<std::thread> threads;
+  for (int k = 0; k < request.threads; ++k) threads.emplace_back(work, static_cast<std::size_t>(k));
+  while (running > 0) {
+    if (request.stop && request.stop()) stopped = true;
+    if (request.tell) request.tell();
+    std::this_thread::sleep_for(std::chrono::milliseconds(20));
+  }
+  for (std::thread& thread : threads) thread.join();
+  if (error) std::rethrow_exception(error);
+}
+
+}  // namespace parloc::bench

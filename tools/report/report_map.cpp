@@ -1,0 +1,185 @@
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <iterator>
+
+#include "tools/report/html_text.h"
+#include "tools/report/map_view.h"
+#include "tools/report/png_writer.h"
+#include "tools/report/report_marks.h"
+#include "tools/report/report_sections.h"
+
+namespace parloc {
+namespace {
+
+constexpr std::int32_t most_map_px = 1600;
+constexpr std::size_t most_moments = 24, most_scan_points = 1000;
+
+std::string scan_points(const Snapshot& snapshot, const MapView& view, const std::string& id) {
+  std::string d;
+  for (const std::size_t k : evenly_spaced(snapshot.scan_points.size(), most_scan_points)) {
+    const Snapshot::Point& p = snapshot.scan_points[k];
+    if (!drawable_point(p.x_m, p.y_m)) continue;
+    const Pixel at = view.to_pixel(p.x_m, p.y_m);
+    fmt::format_to(std::back_inserter(d), "M{:.1f} {:.1f}h0", at.x, at.y);
+  }
+  return d.empty() ? "" : fmt::format("<path id=\"{}\" class=\"scan c5\" d=\"{}\"/>", id, d);
+}
+
+std::string start_and_end(const Trajectory& track, const MapView& view) {
+  if (track.empty()) return "";
+  return dot("spot c1", track.front().pose, view) + dot("hole", track.front().pose, view) +
+         dot("end c1", track.back().pose, view);
+}
+
+std::string moment_layer(const Snapshot& snapshot, const MapView& view, const TimeAxis& axis,
+                         std::size_t index, bool shown) {
+  const double at =
+      drawable(snapshot.stamp_s) ? std::clamp(100 * axis.fraction(snapshot.stamp_s), 0.0, 100.0) : 0.0;
+  const double arrow_px = 0.035 * std::max(view.width_px, view.height_px);
+  return fmt::format("<g class=\"snap\" data-time=\"{}\" data-at=\"{:.2f}\"{}>",
+                     time_text(axis, snapshot.stamp_s), at, shown ? "" : " style=\"display:none\"") +
+         scan_points(snapshot, view, fmt::format("scan{}", index)) +
+         cloud(snapshot, view, fmt::format("cloud{}", index)) + arrow(snapshot.pose, view, arrow_px) + "</g>";
+}
+
+std::string map_legend(const RunReport& report) {
+  std::string html = "<figcaption><b>Map and paths</b>";
+  const auto key = [&](const char* kind, const char* colour, const char* label) {
+    html += fmt::format("<span class=\"key\"><i class=\"{} {}\"></i>{}</span>", kind, colour, label);
+  };
+  if (!report.estimate.empty()) key("line", "c1", "estimate");
+  if (report.truth) key("wide", "c2", "truth");
+  if (!report.odometry.empty()) key("dash", "c3", "odometry alone");
+  if (!report.snapshots.empty()) key("dot", "c4", "particles");
+  if (std::any_of(report.snapshots.begin(), report.snapshots.end(),
+                  [](const Snapshot& s) { return !s.scan_points.empty(); })) {
+    key("dot", "c5", "scan");
+  }
+  if (!report.estimate.empty()) {
+    key("ring", "c1", "start");
+    key("box", "c1", "end");
+  }
+  return html + "</figcaption>";
+}
+
+/// The clouds of all moments, behind that of the chosen one.
+std::string trail(std::size_t moments) {
+  std::string html = "<g class=\"trail\">";
+  for (std::size_t k = 0; k < moments; ++k) html += fmt::format("<use href=\"#cloud{}\"/>", k);
+  return html + "</g>";
+}
+
+std::string overview(const RunReport& report, const MapView& view, const TimeAxis& axis,
+                     const std::vector<std::size_t>& moments) {
+  // The width is bounded so that the figure is never higher than the window.
+  std::string html = "<figure>" + map_legend(report) +
+                     fmt::format(
+                         "<div class=\"map\" style=\"max-width:{:.1f}vh\"><svg viewBox=\"0 0 {} {}\" "
+                         "role=\"img\" aria-label=\"Map and paths\">",
+                         85.0 * view.width_px / view.height_px, view.width_px, view.height_px);
+  if (report.map != nullptr) html += map_image(*report.map, view);
+  constexpr PathDetail paths{20000, 0.33};
+  if (report.truth) html += svg_path("truth c2", track_path(*report.truth, view, paths));
+  if (report.every_cloud) html += trail(moments.size());
+  html += svg_path("estimate c1", track_path(report.estimate, view, paths));
+  html += svg_path("odometry c3", track_path(report.odometry, view, paths)) +
+          start_and_end(report.estimate, view);
+  for (std::size_t k = 0; k < moments.size(); ++k) {
+    html += moment_layer(report.snapshots[moments[k]], view, axis, k, k + 1 == moments.size());
+  }
+  return html + "</svg>" + scale_bar(view) + "</div></figure>\n";
+}
+
+/// Half the side of a square around the estimate that holds nearly all particles [m].
+double closeup_half_side_m(const Snapshot& snapshot, const MapView& view) {
+  std::vector<double> distances;
+  for (const Particle& p : snapshot.particles) {
+    const double distance = std::hypot(p.x_m - snapshot.pose.x_m, p.y_m - snapshot.pose.y_m);
+    if (std::isfinite(distance)) distances.push_back(distance);
+  }
+  double half = 0.0;
+  if (!distances.empty()) {
+    auto at =
+        distances.begin() + static_cast<std::ptrdiff_t>(0.98 * static_cast<double>(distances.size() - 1));
+    std::nth_element(distances.begin(), at, distances.end());
+    half = *at;
+  }
+  return std::min(std::max(1.5 * half, 0.05), 0.5 * std::max(view.width_px, view.height_px) * view.pixel_m());
+}
+
+std::string closeup(const RunReport& report, const Snapshot& snapshot, const MapView& view,
+                    const TimeAxis& axis, std::size_t index) {
+  const std::string when = time_text(axis, snapshot.stamp_s);
+  if (!drawable_point(snapshot.pose.x_m, snapshot.pose.y_m)) {
+    return fmt::format("<figure><figcaption>{}; no pose</figcaption></figure>",
+                       when);  // the script counts figures
+  }
+  const double half_m = closeup_half_side_m(snapshot, view);
+  const double half_px = half_m / view.pixel_m();
+  const Pixel centre = view.to_pixel(snapshot.pose.x_m, snapshot.pose.y_m);
+  std::string html = fmt::format(
+      "<figure><svg viewBox=\"{:.2f} {:.2f} {:.2f} {:.2f}\" role=\"img\" aria-label=\"Particles at {}\">",
+      centre.x - half_px, centre.y - half_px, 2 * half_px, 2 * half_px, when);
+  if (report.map != nullptr) html += "<use href=\"#cells\"/>";
+  if (!snapshot.scan_points.empty()) html += fmt::format("<use href=\"#scan{}\"/>", index);
+  html += fmt::format("<use class=\"dots\" href=\"#cloud{}\"/>", index);
+  const StampedPose* truth = report.truth ? nearest_pose(*report.truth, snapshot.stamp_s) : nullptr;
+  if (truth != nullptr) html += dot("spot c2", truth->pose, view) + dot("hole", truth->pose, view);
+  html += arrow(snapshot.pose, view, 0.45 * half_px) + "</svg>";
+  return html +
+         fmt::format("<figcaption>{}; {} m wide</figcaption></figure>", when, number_text(2 * half_m, 2));
+}
+
+}  // namespace
+
+std::string map_data_uri(const GridMap& map, const MapView& view) {
+  std::vector<std::uint8_t> pixels;
+  for (const Cell cell : raster(map, view)) pixels.push_back(static_cast<std::uint8_t>(cell));
+  const std::vector<Rgba> palette = {
+      {255, 255, 255, 0}, {25, 28, 32, 255}, {128, 128, 128, 64}};  // as enum Cell
+  return png_data_uri(encode_png_palette(view.width_px, view.height_px, pixels, palette));
+}
+
+std::string map_image(const GridMap& map, const MapView& view) {
+  return fmt::format("<image id=\"cells\" class=\"cells\" width=\"{}\" height=\"{}\" href=\"{}\"/>",
+                     view.width_px, view.height_px, map_data_uri(map, view));
+}
+
+std::string scale_bar(const MapView& view) {
+  const double length_m = scale_bar_m(view);
+  return fmt::format("<div class=\"scale\" style=\"width:{:.3f}%\">{} m</div>",
+                     100 * length_m / (view.width_px * view.pixel_m()), number_text(length_m, 4));
+}
+
+const char* invert_filter() {
+  return "<svg width=\"0\" height=\"0\" style=\"position:absolute\" aria-hidden=\"true\"><filter "
+         "id=\"invert\" "
+         "color-interpolation-filters=\"sRGB\"><feComponentTransfer><feFuncR type=\"linear\" slope=\"-1\" "
+         "intercept=\"1\"/><feFuncG type=\"linear\" slope=\"-1\" intercept=\"1\"/><feFuncB type=\"linear\" "
+         "slope=\"-1\" intercept=\"1\"/></feComponentTransfer></filter></svg>";
+}
+
+std::string map_figures(const RunReport& report, const TimeAxis& axis) {
+  const std::optional<MapView> fitted = fit_view(report, 1, most_map_px);
+  if (!fitted) return "";
+  const MapView& view = *fitted;
+  const std::vector<std::size_t> moments = evenly_spaced(report.snapshots.size(), most_moments);
+  std::string html = invert_filter() + growth_figures(report, view, axis) + "<h2>Where it was</h2>\n" +
+                     overview(report, view, axis, moments);
+  if (moments.empty()) return html;
+  html += fmt::format(
+      "<div class=\"moment\"><label for=\"moment\">Particles at</label><input type=\"range\" "
+      "id=\"moment\" min=\"0\" max=\"{}\" value=\"{}\"/><output id=\"when\">{}</output></div>\n",
+      moments.size() - 1, moments.size() - 1, time_text(axis, report.snapshots[moments.back()].stamp_s));
+  html += "<p class=\"note\">Close-ups of the particles, each around its estimate (arrow)";
+  html += report.truth ? "; the ring is the truth.</p>\n" : ".</p>\n";
+  html += "<div class=\"closeups\">";
+  for (std::size_t k = 0; k < moments.size(); ++k) {
+    html += closeup(report, report.snapshots[moments[k]], view, axis, k);
+  }
+  return html + "</div>\n";
+}
+
+}  // namespace parloc

@@ -1,0 +1,203 @@
+// parloc run: localizes a log on a map.
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <CLI/CLI.hpp>
+#include <algorithm>
+#include <cstdio>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "common/config/config.h"
+#include "common/config/settings_table.h"
+#include "common/error.h"
+#include "common/eval/metrics.h"
+#include "common/file/output_file.h"
+#include "common/map/map_reader.h"
+#include "tools/program/commands.h"
+#include "tools/program/interrupt.h"
+#include "tools/program/output_folder.h"
+#include "tools/program/parse_number.h"
+#include "tools/program/progress.h"
+#include "tools/program/search_prior.h"
+#include "tools/program/text_option.h"
+#include "tools/report/report.h"
+#include "tools/run/localize_log.h"
+#include "tools/run/run_health.h"
+#include "tools/run/run_results.h"
+
+namespace parloc::tools {
+namespace {
+
+/// The command line; what was not given is empty.
+struct RunOptions {
+  std::vector<std::string> init;
+  std::string map, log, truth, relations, config, near, heading, backend, device, particles, beams, seed,
+      threads;
+  std::string out = "parloc_out";
+  bool odometry_only = false, strict = false, json = false, quiet = false;
+};
+
+void declare(CLI::App& app, RunOptions& o) {
+  add_text_option(app, "--map", o.map, "M.yaml", "ROS map_server YAML")->required();
+  add_text_option(app, "--log", o.log, "LOG", "CARMEN log, plain or gzip")->required();
+  add_text_option(app, "--truth", o.truth, "T.tum", "True trajectory, TUM format");
+  add_text_option(app, "--relations", o.relations, "R.txt", "True relations between scans");
+  add_text_option(app, "--config", o.config, "C.yaml", "Settings over the defaults");
+  add_text_option(app, "--init", o.init, "START", "x,y,theta[,sx,sy,st] (again: or there), or global")
+      ->allow_extra_args(false);
+  add_text_option(app, "--near", o.near, "X,Y,R", "--init global within R of (X, Y) [m] only");
+  add_text_option(app, "--heading", o.heading, "A,T", "... and headings from A - T to A + T only [rad]");
+  add_text_option(app, "--out", o.out, "DIR", "Folder for the results (parloc_out)");
+  add_text_option(app, "--backend", o.backend, "WHICH",
+                  "auto, cpu or cuda; --device D is one of several GPUs");
+  add_text_option(app, "--device", o.device, "D", "CUDA device, as parloc devices lists them")->group("");
+  add_text_option(app, "--particles", o.particles, "N", "A fixed number, 1 to 16777216");
+  add_text_option(app, "--beams", o.beams, "B", "Beams used of a scan, 1 to 4096");
+  add_text_option(app, "--seed", o.seed, "S", "Same seed, same answer");
+  add_text_option(app, "--threads", o.threads, "K", "CPU threads; 0: all cores");
+  app.add_flag("--odometry-only", o.odometry_only, "Move the particles, use no scan");
+  app.add_flag("--strict", o.strict, "Broken data end the run; a doubt at its end is code 7");
+  app.add_flag("--json", o.json, "Print the metrics alone, as JSON");
+  app.add_flag("--quiet", o.quiet, "No progress and no summary");
+  app.get_help_ptr()->group("");  // whoever reads the list knows it
+}
+
+BackendChoice backend_choice(const std::string& name) {
+  for (const auto& choice : kBackends) {
+    if (name == choice.name) return choice.value;
+  }
+  throw Error(ErrorKind::usage, fmt::format("--backend: expected auto, cpu or cuda, got '{}'", name));
+}
+
+/// The configuration file with the command line on top.
+FilterConfig effective_config(const RunOptions& o) {
+  FilterConfig config = o.config.empty() ? FilterConfig{} : read_config(o.config);
+  if (!o.particles.empty()) {  // a fixed number, whatever the file says
+    config.particles = parse_whole_number<std::int64_t>("--particles", o.particles);
+    config.min_particles = config.max_particles = 0;
+  }
+  if (!o.seed.empty()) config.seed = parse_whole_number<std::uint64_t>("--seed", o.seed);
+  if (!o.device.empty()) config.device = parse_whole_number<int>("--device", o.device);
+  if (!o.threads.empty()) config.threads = parse_whole_number<int>("--threads", o.threads);
+  if (!o.beams.empty()) {
+    config.scan.max_beams = parse_whole_number<int>("--beams", o.beams);
+    config.scan.min_beams =
+        std::min(config.scan.min_beams, config.scan.max_beams);  // so few are meant to be used
+  }
+  if (!o.backend.empty()) config.backend = backend_choice(o.backend);
+  try {
+    validate(config);
+  } catch (const Error& e) {  // a file is sound by now, so it is the command line
+    throw Error(ErrorKind::usage, e.what());
+  }
+  return config;
+}
+
+/// Where it starts, as far as the command line says so.
+std::optional<StartPose> start_of(const RunOptions& o, const FilterConfig& config) {
+  if (o.init.empty() && o.truth.empty()) {
+    throw Error(ErrorKind::usage, "no start pose: give --init x,y,theta, --init global, or --truth");
+  }
+  std::optional<StartPose> start;
+  if (!o.init.empty()) start = parse_start_poses(o.init, config);
+  if (o.near.empty() && o.heading.empty()) return start;
+  if (!start || !start->anywhere || !config.localize.health || o.odometry_only) {
+    throw Error(ErrorKind::usage,
+                "--near and --heading restrict a search: expected --init global, with localize.health and "
+                "without --odometry-only");
+  }
+  start->prior = parse_search_prior(o.near, o.heading);
+  return start;
+}
+
+std::string start_text(const RunOptions& o) {
+  if (o.init.empty()) return "truth";
+  std::string text = fmt::format("{}", fmt::join(o.init, "; "));
+  if (!o.near.empty()) text += " near " + o.near;
+  if (!o.heading.empty()) text += " heading " + o.heading;
+  return text;
+}
+
+constexpr const char* kTrajectory = "trajectory.tum";
+constexpr const char* kMetrics = "metrics.json";
+constexpr const char* kReport = "report.html";
+constexpr const char* kPicture = "picture.png";
+constexpr const char* kErrors = "errors.png";  // with a truth
+
+bool has_errors(const RunResults& results) {
+  return results.errors && results.errors->compared > 0;
+}
+
+void write_results(OutputFolder& out, const RunResults& results, const GridMap& map) {
+  const RunReport report = run_report(results, map);
+  write_tum(out.staged(kTrajectory), results.run.trajectory);
+  replace_file(out.staged(kMetrics), metrics_json(results));
+  write_report(out.staged(kReport), report);
+  write_picture(out.staged(kPicture), report);
+  if (has_errors(results)) write_error_picture(out.staged(kErrors), report);
+  out.publish();
+}
+
+int run(const RunOptions& o, const std::string& typed) {
+  // Everything that can be wrong is looked at before the long work.
+  LocalizeRequest request;
+  request.config = effective_config(o);
+  request.log_name = o.log;
+  request.strict = o.strict;
+  request.odometry_only = o.odometry_only;
+  request.start = start_of(o, request.config);
+  const GridMap map = read_map(o.map);
+  const std::unique_ptr<LogReader> log = open_carmen_log(o.log);
+  if (!o.truth.empty()) request.truth = read_tum(o.truth);
+  const std::vector<Relation> relations =
+      o.relations.empty() ? std::vector<Relation>{} : read_relations(o.relations);
+  OutputFolder out(o.out, {kTrajectory, kMetrics, kReport, kPicture, kErrors});
+
+  RunResults results{o.map, o.log, o.truth, o.relations, typed, start_text(o), {}, {}, {}, {}, {}, {}};
+  catch_interrupts();
+  {
+    Progress progress(Progress::style_here(o.quiet));
+    request.progress = [&](double fraction, std::size_t scans) {
+      progress.update(fraction, fmt::format("{} scans", scans));
+    };
+    request.stop = interrupted;
+    results.run = localize_log(map, *log, request);
+  }
+  if (results.run.scans == 0) {
+    fmt::print(stderr, "parloc: interrupted before the first scan, nothing is written\n");
+    return kExitInterrupted;
+  }
+  results.truth = std::move(request.truth);
+  if (!o.truth.empty()) {
+    results.errors = compare_tracks(results.run.trajectory, results.truth);
+    results.consistency = check_consistency(*results.errors, results.run.covariances);
+    results.odometry_errors = compare_tracks(results.run.odometry, results.truth);
+  }
+  if (!o.relations.empty()) results.relations = compare_relations(results.run.trajectory, relations);
+  write_results(out, results, map);
+
+  if (o.json) {
+    std::fputs(metrics_json(results).c_str(), stdout);
+  } else if (!o.quiet) {
+    fmt::print("{}{:<16}{} (beside it: {}, {}{}, {})\n", run_summary(results), "report",
+               out.final_path(kReport), kPicture, has_errors(results) ? "errors.png, " : "", kTrajectory,
+               kMetrics);
+  }
+  const std::string doubt = doubt_at_end(results.run);
+  if (!doubt.empty()) fmt::print(stderr, "parloc: {}\n", doubt);
+  if (results.run.interrupted) return kExitInterrupted;
+  return o.strict && !doubt.empty() ? kExitNotFound : 0;
+}
+
+}  // namespace
+
+Command add_run_command(CLI::App& program, const std::string& typed) {
+  CLI::App* app = program.add_subcommand("run", "Localize a log on a map");
+  const auto options = std::make_shared<RunOptions>();
+  declare(*app, *options);
+  return {app, [options, typed] { return run(*options, typed); }};
+}
+
+}  // namespace parloc::tools

@@ -1,0 +1,208 @@
+// parloc slam: makes a map from a log.
+#include <fmt/format.h>
+
+#include <CLI/CLI.hpp>
+#include <cstdio>
+#include <filesystem>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "common/config/config.h"
+#include "common/config/settings_table.h"
+#include "common/error.h"
+#include "common/file/output_file.h"
+#include "common/map/map_reader.h"
+#include "tools/program/commands.h"
+#include "tools/program/interrupt.h"
+#include "tools/program/output_folder.h"
+#include "tools/program/parse_number.h"
+#include "tools/program/progress.h"
+#include "tools/program/text_option.h"
+#include "tools/report/live_picture.h"
+#include "tools/report/report.h"
+#include "tools/slam/odometry_choice.h"
+#include "tools/slam/results.h"
+
+namespace parloc::tools {
+namespace {
+
+/// The command line; what was not given is empty.
+struct SlamOptions {
+  std::string log, config, truth, relations, particles, proposal, backend, seed, threads, out, resume, every;
+  bool live = false, json = false, quiet = false;
+};
+
+void declare(CLI::App& app, SlamOptions& o) {
+  add_text_option(app, "--log", o.log, "LOG", "CARMEN log, plain or gzip")->required();
+  add_text_option(app, "--config", o.config, "C.yaml", "Settings over the defaults");
+  add_text_option(app, "--truth", o.truth, "T.tum", "True trajectory, TUM format, in any frame");
+  add_text_option(app, "--relations", o.relations, "R.txt", "True relations between scans");
+  add_text_option(app, "--out", o.out, "DIR", "Folder for the results (parloc_map)");
+  add_text_option(app, "--particles", o.particles, "N", "Each with a map of its own, 1 to 65535");
+  add_text_option(app, "--proposal", o.proposal, "WHICH", "motion, scan_match or gaussian");
+  add_text_option(app, "--backend", o.backend, "WHICH", "auto, cpu or cuda");
+  add_text_option(app, "--seed", o.seed, "S", "Same seed, same map");
+  add_text_option(app, "--threads", o.threads, "K", "CPU threads; 0: all cores");
+  add_text_option(app, "--resume", o.resume, "DIR", "Go on from the checkpoint of an interrupted run");
+  add_text_option(app, "--checkpoint-every", o.every, "S",
+                  "Seconds between checkpoints (60); 0: if interrupted");
+  app.add_flag("--live", o.live, "While it works: the map so far in DIR/live.html");
+  app.add_flag("--json", o.json, "Print the metrics alone, as JSON");
+  app.add_flag("--quiet", o.quiet, "No progress and no summary");
+  app.get_help_ptr()->group("");  // whoever reads the list knows it
+}
+
+template <class Enum, std::size_t n>
+Enum choice_of(const char* option, const std::string& text, const std::array<Choice<Enum>, n>& choices) {
+  std::string names;
+  for (const auto& choice : choices) {
+    if (text == choice.name) return choice.value;
+    names += fmt::format("{}{}", names.empty() ? "" : ", ", choice.name);
+  }
+  throw Error(ErrorKind::usage, fmt::format("{}: expected one of {}, got '{}'", option, names, text));
+}
+
+/// The configuration file with the command line on top.
+FilterConfig effective_config(const SlamOptions& o, const FilterConfig& base) {
+  FilterConfig config = o.config.empty() ? base : read_config(o.config, base);
+  if (!o.particles.empty())
+    config.slam.particles = parse_whole_number<std::int64_t>("--particles", o.particles);
+  if (!o.seed.empty()) config.seed = parse_whole_number<std::uint64_t>("--seed", o.seed);
+  if (!o.threads.empty()) config.threads = parse_whole_number<int>("--threads", o.threads);
+  if (!o.proposal.empty()) config.slam.proposal = choice_of("--proposal", o.proposal, kSlamProposals);
+  if (!o.backend.empty()) config.backend = choice_of("--backend", o.backend, kBackends);
+  try {
+    validate(config);
+  } catch (const Error& e) {  // a file is sound by now, so it is the command line
+    throw Error(ErrorKind::usage, e.what());
+  }
+  return config;
+}
+
+constexpr const char* kMap = "map.yaml";
+constexpr const char* kImage = "map.pgm";
+constexpr const char* kTrajectory = "trajectory.tum";
+constexpr const char* kMetrics = "metrics.json";
+constexpr const char* kReport = "report.html";
+constexpr const char* kPicture = "picture.png";
+constexpr const char* kLivePicture = "live.png";  // while it works
+constexpr const char* kLivePage = "live.html";
+
+constexpr const char* kCheckpoint = "checkpoint";
+
+/// --resume takes the folder as well as the file.
+std::string checkpoint_path(const SlamOptions& o) {
+  const bool folder = std::filesystem::is_directory(o.resume);
+  return folder ? (std::filesystem::path(o.resume) / kCheckpoint).string() : o.resume;
+}
+
+/// The checkpoint's settings hold; what is given besides must not contradict them, but for where the work is
+/// done.
+FilterConfig resumed_config(const SlamOptions& o, SlamCheckpoint& checkpoint) {
+  FilterConfig config = effective_config(o, checkpoint.config);
+  config.scan.max_beams = checkpoint.config.scan.max_beams;  // not read: slam.max_beams is
+  const std::string change = config_difference(checkpoint.config, config);
+  if (!change.empty())
+    throw Error(ErrorKind::usage, fmt::format("--resume: {}: {}", checkpoint.name(), change));
+  checkpoint.config = config;
+  return config;
+}
+
+std::string output_folder(const SlamOptions& o) {
+  if (!o.out.empty()) return o.out;
+  if (o.resume.empty()) return "parloc_map";
+  const std::string folder = std::filesystem::path(checkpoint_path(o)).parent_path().string();
+  return folder.empty() ? "." : folder;
+}
+
+void write_results(OutputFolder& out, const slam::SlamResults& results) {
+  const RunReport report = slam::report_of(results);
+  write_map(out.staged(kMap), results.mapping.map);
+  write_tum(out.staged(kTrajectory), results.mapping.trajectory);
+  replace_file(out.staged(kMetrics), slam::metrics_json(results));
+  write_report(out.staged(kReport), report);
+  write_picture(out.staged(kPicture), report);
+  const bool interrupted = results.mapping.interrupted;
+  out.publish(interrupted ? std::vector<std::string>{kCheckpoint} : std::vector<std::string>{});
+}
+
+void watch(slam::MapRequest& request, std::optional<LivePicture>& live, const OutputFolder& out) {
+  live.emplace(out.final_path(kLivePicture), out.final_path(kLivePage), "Map of " + request.log_name,
+               kReport);
+  request.watch = [&live](const GridSlam& slam, std::size_t scans) {
+    live->offer([&](const std::string& path) { slam::write_live(path, slam::growth_of(slam, scans)); });
+  };
+}
+
+int run(const SlamOptions& o, const std::string& typed) {
+  // Everything that can be wrong is looked at before the long work.
+  slam::MapRequest request;
+  std::optional<SlamCheckpoint> checkpoint;
+  if (!o.resume.empty()) checkpoint.emplace(checkpoint_path(o));
+  request.config = checkpoint ? resumed_config(o, *checkpoint) : effective_config(o, FilterConfig{});
+  request.resume = checkpoint ? &*checkpoint : nullptr;
+  request.checkpoint_every_s = o.every.empty() ? 60.0 : parse_number("--checkpoint-every", o.every, 0.0, 1e6);
+  request.log_name = o.log;
+  request.odometry_chosen = !checkpoint && slam::choose_odometry(o.log, request.config);
+  if (request.odometry_chosen) fmt::print(stderr, "parloc: {}: {}\n", o.log, slam::kOdometryFromScans);
+  const std::unique_ptr<LogReader> log = open_carmen_log(o.log);
+  const std::vector<Relation> relations =
+      o.relations.empty() ? std::vector<Relation>{} : read_relations(o.relations);
+  const Trajectory truth = o.truth.empty() ? Trajectory{} : read_tum(o.truth);
+  OutputFolder out(output_folder(o), {kMap, kImage, kTrajectory, kMetrics, kReport, kPicture, kLivePicture,
+                                      kLivePage, kCheckpoint});
+  request.checkpoint = out.final_path(kCheckpoint);
+  std::optional<LivePicture> live;  // to the end of the writing: its page then leads to the report
+  if (o.live) watch(request, live, out);
+
+  slam::SlamResults results{o.log, o.relations, o.truth, typed, {}, {}, {}, {}};
+  catch_interrupts();
+  {
+    Progress progress(Progress::style_here(o.quiet));
+    std::optional<Progress> closing;
+    request.closing = [&](double fraction) {
+      if (!closing) closing.emplace(Progress::style_here(o.quiet));
+      closing->update(fraction, "closing loops");
+    };
+    request.progress = [&](double fraction, std::size_t scans) {
+      progress.update(fraction,
+                      fmt::format("{} scans{}", scans, o.live ? ", see " + out.final_path(kLivePage) : ""));
+    };
+    request.stop = interrupted;
+    results.mapping = slam::map_log(*log, request);
+  }
+  if (results.mapping.scans == 0) {
+    fmt::print(stderr, "parloc: interrupted before the first scan, nothing is written\n");
+    return kExitInterrupted;
+  }
+  if (results.mapping.records.empty()) {
+    fmt::print(stderr, "parloc: interrupted before a scan was taken in, there is only {}\n",
+               request.checkpoint);
+    return kExitInterrupted;
+  }
+  if (!o.truth.empty()) slam::compare_with_truth(results, truth);
+  if (!o.relations.empty()) results.relations = compare_relations(results.mapping.trajectory, relations);
+  write_results(out, results);
+  if (o.json) {
+    std::fputs(slam::metrics_json(results).c_str(), stdout);
+  } else if (!o.quiet) {
+    fmt::print("{}{:<16}{} (beside it: {}, {}, {}, {})\n", slam::summary_text(results), "map",
+               out.final_path(kMap), kReport, kPicture, kTrajectory, kMetrics);
+    if (results.mapping.interrupted)
+      fmt::print("{:<16}parloc slam --resume {} --log {}\n", "to go on", request.checkpoint, o.log);
+  }
+  return results.mapping.interrupted ? kExitInterrupted : 0;
+}
+
+}  // namespace
+
+Command add_slam_command(CLI::App& program, const std::string& typed) {
+  CLI::App* app = program.add_subcommand("slam", "Make a map from a log");
+  const auto options = std::make_shared<SlamOptions>();
+  declare(*app, *options);
+  return {app, [options, typed] { return run(*options, typed); }};
+}
+
+}  // namespace parloc::tools

@@ -1,0 +1,197 @@
+#!/usr/bin/env python3
+"""Fits the probability of being right to samples of `parloc evaluate --samples`.
+
+    tools/studies/calibrate_health.py SAMPLES.csv [...] [--min-share S] [--offset A --slope B]
+
+The probability is share / (1 + exp(-(offset + slope * evidence))) (common/localize/health.cpp). Prints offset and slope by
+logistic regression of "is right" on the evidence, over the samples in which one place has nearly all of the weight (the share
+says enough of the others), and over all samples the reliability, Brier score and AUC with the old and the new constants.
+Every other trial is left out of the fit and judged apart, to see whether it holds. Needs Python 3.10, nothing else.
+
+Exit code: 0 all is well, 2 wrong usage or a file that cannot be read, 3 samples that no curve can be fitted to.
+"""
+
+import argparse
+import csv
+import math
+import pathlib
+import re
+import sys
+
+HEALTH = pathlib.Path(__file__).resolve().parents[2] / "common/localize/health.cpp"
+NEEDED = ("seed", "right", "evidence", "share")
+
+
+class Failure(Exception):
+    """One line for people, and the exit code."""
+
+    def __init__(self, code, message):
+        super().__init__(message)
+        self.code = code
+
+
+def read_samples(paths):
+    """(trial, right, evidence, share) of every sample; a trial is a file and a seed."""
+    samples = []
+    for path in paths:
+        try:
+            with open(path, newline="") as file:
+                rows = csv.DictReader(file)
+                missing = [name for name in NEEDED if name not in (rows.fieldnames or [])]
+                if missing:
+                    raise Failure(2, f"{path}: expected the columns {', '.join(NEEDED)}, found no {missing[0]}")
+                for row in rows:
+                    try:
+                        values = (float(row["evidence"]), float(row["share"]))
+                        right = {"0": 0, "1": 1}[row["right"]]
+                    except (KeyError, TypeError, ValueError):
+                        raise Failure(2, f"{path}:{rows.line_num}: expected numbers, and 0 or 1 for right") from None
+                    if all(map(math.isfinite, values)):
+                        samples.append(((path, row["seed"]), right, *values))
+        except (OSError, UnicodeDecodeError) as e:
+            raise Failure(2, f"{path}: cannot be read ({e})") from None
+    return samples
+
+
+def constants_in_use():
+    """offset and slope as health.cpp has them."""
+    found = re.search(r"kOffset = (-?[\d.]+), kSlope = (-?[\d.]+)", HEALTH.read_text())
+    if not found:
+        raise Failure(2, f"{HEALTH}: expected kOffset and kSlope; give --offset and --slope")
+    return float(found[1]), float(found[2])
+
+
+def sigmoid(x):
+    return 1 / (1 + math.exp(-x)) if x >= 0 else math.exp(x) / (1 + math.exp(x))
+
+
+def log_likelihood(points, a, b):
+    """Of all outcomes, each (evidence, right)."""
+    total = 0.0
+    for evidence, right in points:
+        x = a + b * evidence
+        total -= math.log1p(math.exp(-abs(x))) + max(-x if right else x, 0.0)
+    return total
+
+
+def fit(points):
+    """Maximum likelihood by Newton's method, halved where it would not climb."""
+    rights = sum(right for _, right in points)
+    if rights in (0, len(points)):
+        raise Failure(3, f"expected right and wrong samples, all {len(points)} are {'right' if rights else 'wrong'}")
+    a, b = 0.0, 0.0
+    best = log_likelihood(points, a, b)
+    for _ in range(100):
+        ga = gb = haa = hab = hbb = 0.0
+        for evidence, right in points:
+            p = sigmoid(a + b * evidence)
+            weight = p * (1 - p)
+            ga += right - p
+            gb += (right - p) * evidence
+            haa += weight
+            hab += weight * evidence
+            hbb += weight * evidence * evidence
+        det = haa * hbb - hab * hab
+        if det <= 1e-12 * max(1.0, haa * hbb):
+            raise Failure(3, "the evidence parts right from wrong entirely, or is all the same: no curve fits best")
+        da, db = (hbb * ga - hab * gb) / det, (haa * gb - hab * ga) / det
+        scale = 1.0
+        while scale > 1e-6 and log_likelihood(points, a + scale * da, b + scale * db) < best:
+            scale /= 2
+        a, b = a + scale * da, b + scale * db
+        now = log_likelihood(points, a, b)
+        if now - best < 1e-9 * abs(now) or scale <= 1e-6:
+            return a, b
+        best = now
+    raise Failure(3, "the fit does not settle")
+
+
+def auc_of(forecasts):
+    """Chance that a right one was given more than a wrong one, ties half; None if all are alike."""
+    ranked = sorted(forecasts)
+    rights = sum(right for _, right in ranked)
+    wrongs = len(ranked) - rights
+    won, below, k = 0.0, 0, 0
+    while k < len(ranked):
+        end, right_here, wrong_here = k, 0, 0
+        while end < len(ranked) and ranked[end][0] == ranked[k][0]:
+            right_here += ranked[end][1]
+            wrong_here += 1 - ranked[end][1]
+            end += 1
+        won += right_here * (below + wrong_here / 2)
+        below += wrong_here
+        k = end
+    return won / (rights * wrongs) if rights and wrongs else None
+
+
+def judge(samples, a, b):
+    forecasts = [(share * sigmoid(a + b * evidence), right) for _, right, evidence, share in samples]
+    bins = [[0, 0.0, 0] for _ in range(10)]
+    for p, right in forecasts:
+        bin_ = bins[min(int(10 * p), 9)]
+        bin_[0] += 1
+        bin_[1] += p
+        bin_[2] += right
+    return {
+        "brier": sum((p - right) ** 2 for p, right in forecasts) / len(forecasts),
+        "auc": auc_of(forecasts),
+        "bins": [(n, said / n, right / n) if n else (0, None, None) for n, said, right in bins],
+    }
+
+
+def print_judgements(title, samples, old, new):
+    before, after = judge(samples, *old), judge(samples, *new)
+    text = lambda value, digits: "-" if value is None else f"{value:.{digits}f}"
+    print(f"\n{title}: {len(samples)} samples, {sum(s[1] for s in samples)} right")
+    print(f"{'':14}{'before':>30}{'after':>30}")
+    print(f"{'Brier':14}{text(before['brier'], 4):>30}{text(after['brier'], 4):>30}")
+    print(f"{'AUC':14}{text(before['auc'], 4):>30}{text(after['auc'], 4):>30}")
+    print(f"{'said':14}" + f"{'samples':>10}{'mean':>10}{'right':>10}" * 2)
+    for k, both in enumerate(zip(before["bins"], after["bins"])):
+        cells = "".join(f"{n:>10}{text(said, 3):>10}{text(right, 3):>10}" for n, said, right in both)
+        print(f"{k / 10:.1f} to {(k + 1) / 10:.1f}    {cells}")
+
+
+def calibrate(options):
+    samples = read_samples(options.samples)
+    used = [s for s in samples if s[3] >= options.min_share]
+    if not used:
+        raise Failure(3, f"no sample has a share of {options.min_share:g} or more")
+    old = (options.offset, options.slope)
+    if None in old:
+        old = tuple(given if given is not None else there for given, there in zip(old, constants_in_use()))
+    new = fit([(s[2], s[1]) for s in used])
+    print(f"fitted to {len(used)} of {len(samples)} samples, those with a share of {options.min_share:g} or more")
+    print(f"before  kOffset = {old[0]:.3f}, kSlope = {old[1]:.3f}")
+    print(f"after   kOffset = {new[0]:.3f}, kSlope = {new[1]:.3f}")
+    print_judgements("All", samples, old, new)
+
+    trials = sorted({s[0] for s in used})
+    kept = set(trials[::2])
+    try:
+        half = fit([(s[2], s[1]) for s in used if s[0] in kept])
+    except Failure as e:
+        print(f"\nEvery other trial alone: {e}")
+        return
+    print(f"\nFitted to every other trial alone: kOffset = {half[0]:.3f}, kSlope = {half[1]:.3f}")
+    others = [s for s in samples if s[0] not in kept]
+    if others:
+        print_judgements("The trials that were left out", others, old, half)
+
+
+def main(arguments=None):
+    parser = argparse.ArgumentParser(description=__doc__.split("\n")[0])
+    parser.add_argument("samples", nargs="+", metavar="SAMPLES.csv")
+    parser.add_argument("--min-share", type=float, default=0.8, help="fit to samples with at least so much weight in one place (0.8)")
+    parser.add_argument("--offset", type=float, help="the old constants (those of health.cpp)")
+    parser.add_argument("--slope", type=float)
+    try:
+        calibrate(parser.parse_args(arguments))
+    except Failure as e:
+        print(f"calibrate_health: {e}", file=sys.stderr)
+        return e.code
+    return 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())

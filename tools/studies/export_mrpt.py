@@ -1,0 +1,354 @@
+#!/usr/bin/env python3
+"""Exports the two real logs in maps/ and their maps from Debian's mrpt-common package. Run once; not part of the build.
+
+    sudo apt-get install mrpt-common python3-numpy python3-scipy python3-matplotlib
+    /usr/bin/python3 tools/studies/export_mrpt.py --out maps [--pictures /tmp]
+
+Input: /usr/share/mrpt/datasets (MRPT's own binary objects, possibly gzip).
+Output: malaga_{corridor,faculty}.{yaml,pgm} and logs/malaga_{corridor,faculty}.{log.gz,tum} under --out.
+maps/logs/README.md says what they are and how good they are. The same input gives the same output.
+"""
+
+import argparse
+import gzip
+import pathlib
+
+import numpy as np
+from scipy.ndimage import distance_transform_edt
+from scipy.sparse import coo_matrix
+from scipy.sparse.linalg import spsolve
+from scipy.spatial import cKDTree
+
+from mrpt_objects import NO_RETURN_M, Observation, Stream, compose, read_rawlog, relative, transform, wrap
+
+DATASETS = pathlib.Path("/usr/share/mrpt/datasets")
+RESOLUTION_M = 0.05
+
+
+def normals_of(points):
+    """Unit normal at each point from its neighbours in the scan, and whether they lie on a line."""
+    normals = np.zeros_like(points)
+    good = np.zeros(len(points), bool)
+    for i in range(2, len(points) - 2):
+        near = points[i - 2 : i + 3]
+        if np.abs(np.diff(near, axis=0)).max() > 0.5:
+            continue
+        value, vector = np.linalg.eigh(np.cov(near.T))
+        normals[i] = vector[:, 0]
+        good[i] = value[0] < 0.02 * value[1] or value[0] < 0.01**2
+    return normals, good
+
+
+# ---- alignment: point to line, Huber's weights -------------------------------------------------------------------------
+
+
+def huber(residual_m, width_m=0.03):
+    return np.minimum(1.0, width_m / np.maximum(np.abs(residual_m), 1e-9))
+
+
+def jacobian(pose, world, normals):
+    """d(residual) / d(x, y, theta) of points that move with the pose."""
+    d = world - pose[:2]
+    return np.column_stack([normals, normals[:, 1] * d[:, 0] - normals[:, 0] * d[:, 1]])
+
+
+class Cloud:
+    """Points with normals, to be aligned to."""
+
+    def __init__(self, points, normals):
+        self.points, self.normals, self.tree = points, normals, cKDTree(points)
+
+    def match(self, world, reach_m):
+        distance, index = self.tree.query(world, distance_upper_bound=reach_m)
+        found = np.isfinite(distance)
+        normals = self.normals[index[found]]
+        return found, np.sum((world[found] - self.points[index[found]]) * normals, 1), normals
+
+
+def refine_keyframes(poses, scans, sweeps=30):
+    """All key-frame poses at once: every scan to the lines of every other that it overlaps, and a weak pull (10 cm,
+    1 degree) to where MRPT's own mapping put it. The first stays. Returns poses and the mean residual before, after."""
+    local = [scan.points() for scan in scans]
+    flat = [normals_of(p) for p in local]
+    poses = poses.copy()
+    given = poses.copy()
+    residuals = []
+    for sweep in range(sweeps):
+        reach_m = max(0.10, 0.30 - 0.02 * sweep)
+        world = [transform(p, q) for p, q in zip(poses, local)]
+        clouds = []
+        for pose, q, (normals, good) in zip(poses, world, flat):
+            c, s = np.cos(pose[2]), np.sin(pose[2])
+            clouds.append(Cloud(q[good], normals[good] @ np.array([[c, s], [-s, c]])))
+        rows, columns, values = [], [], []
+        gradient = np.zeros(3 * len(poses))
+
+        def add(i, j, block):
+            for a in range(3):
+                for b in range(3):
+                    rows.append(3 * i + a), columns.append(3 * j + b), values.append(block[a, b])
+
+        total, count = 0.0, 0
+        for i in range(len(poses)):
+            for j in range(len(poses)):
+                if i == j or np.linalg.norm(poses[i][:2] - poses[j][:2]) > 15.0:
+                    continue
+                found, r, n = clouds[j].match(world[i], reach_m)
+                if len(r) < 40:
+                    continue
+                # A pair counts once, however many points it shares, up to 50: neighbours must not outvote a closed loop.
+                w = huber(r) / 0.03**2 * min(1.0, 50 / len(r))
+                Ji, Jj = jacobian(poses[i], world[i][found], n), -jacobian(poses[j], world[i][found], n)
+                for a, Ja in ((i, Ji), (j, Jj)):
+                    gradient[3 * a : 3 * a + 3] += Ja.T @ (w * r)
+                    for b, Jb in ((i, Ji), (j, Jj)):
+                        add(a, b, Ja.T @ (w[:, None] * Jb))
+                total, count = total + np.abs(r).sum(), count + len(r)
+        residuals.append(total / count)
+        pull = np.diag([1 / 0.1**2, 1 / 0.1**2, 1 / np.radians(1.0) ** 2])
+        for i in range(len(poses)):
+            strength = pull if i else 1e6 * pull
+            d = poses[i] - given[i]
+            add(i, i, strength)
+            gradient[3 * i : 3 * i + 3] += strength @ np.append(d[:2], wrap(d[2]))
+        step = spsolve(coo_matrix((values, (rows, columns))).tocsc(), -gradient).reshape(-1, 3)
+        poses += step
+        poses[:, 2] = wrap(poses[:, 2])
+        if np.abs(step).max() < 1e-5 and reach_m == 0.10:
+            break
+    return poses, residuals[0], residuals[-1]
+
+
+def cloud_of_map(poses, scans):
+    points, normals = [], []
+    for pose, scan in zip(poses, scans):
+        q = scan.points()
+        n, good = normals_of(q)
+        points.append(transform(pose, q[good]))
+        normals.append(transform(np.array([0, 0, pose[2]]), n[good]))
+    return Cloud(np.concatenate(points), np.concatenate(normals))
+
+
+def align(cloud, scan, guess, pull_m=0.2, pull_rad=np.radians(3.0), reaches_m=(0.6, 0.4, 0.3, 0.2, 0.15, 0.15, 0.15)):
+    """The pose of the base that lays the scan on the map, from a guess that pulls weakly. Returns pose, share of the
+    points within 15 cm of a line of the map, and their mean residual."""
+    local = scan.points()
+    pose = guess.copy()
+    prior = np.diag([1 / pull_m**2, 1 / pull_m**2, 1 / pull_rad**2])
+    for reach_m in reaches_m:
+        for _ in range(8):
+            world = transform(pose, local)
+            found, r, n = cloud.match(world, reach_m)
+            w = huber(r) / 0.03**2 / max(1.0, len(r) / 100)
+            J = jacobian(pose, world[found], n)
+            d = pose - guess
+            d[2] = wrap(d[2])
+            step = np.linalg.solve(J.T @ (w[:, None] * J) + prior, -J.T @ (w * r) - prior @ d)
+            pose = pose + step
+            pose[2] = wrap(pose[2])
+            if np.abs(step).max() < 1e-6:
+                break
+    found, r, _ = cloud.match(transform(pose, local), 0.15)
+    return pose, len(r) / len(local), np.abs(r).mean()
+
+
+def half_of(scan, first):
+    """The scan with every other beam only."""
+    ranges_m = scan.ranges_m.copy()
+    ranges_m[1 - first :: 2] = np.inf
+    return Observation(scan.stamp_s, ranges_m, scan.T_base_sensor)
+
+
+def precision(cloud, scans, poses):
+    """Poses from the even and the odd beams alone, half their difference as the error of the whole: RMS in metres and
+    radians. It sees noise of the beams, not errors of the map."""
+    d = np.array([relative(align(cloud, half_of(s, 0), p)[0], align(cloud, half_of(s, 1), p)[0])
+                  for s, p in zip(scans, poses)]) / 2
+    return np.sqrt((d[:, :2] ** 2).sum(1).mean()), np.sqrt((d[:, 2] ** 2).mean())
+
+
+def track(cloud, scans, odometry, start):
+    """Scan by scan: odometry predicts, alignment corrects. Returns poses, shares and residuals."""
+    poses, shares, residuals = [], [], []
+    guess = start
+    for i, scan in enumerate(scans):
+        if i:
+            guess = compose(poses[-1], relative(odometry[i], odometry[i - 1]))
+        pose, share, residual = align(cloud, scan, guess)
+        poses.append(pose), shares.append(share), residuals.append(residual)
+    return np.array(poses), np.array(shares), np.array(residuals)
+
+
+def global_start(grid, origin, cloud, scan):
+    """The start pose, with no guess: every free place on a 20 cm lattice and every 3 degrees, by the mean of a clamped
+    distance to the nearest wall; the best 50 are aligned, and the one that explains most of the scan is taken.
+    Returns pose, share, and the share of the best rival more than 1 m or 20 degrees away."""
+    clamped = np.minimum(distance_transform_edt(grid != OCCUPIED) * RESOLUTION_M, 0.5)
+    points = scan.points(20.0)[::4]
+    free = np.argwhere(grid[2::4, 2::4] == FREE) * 4 + 2
+    places = origin + (free[:, ::-1] + 0.5) * RESOLUTION_M
+    scored = []
+    for theta in np.radians(np.arange(-180, 180, 3)):
+        turned = transform(np.array([0, 0, theta]), points)
+        cost = np.zeros(len(places))
+        for p in turned:
+            cell = np.floor((places + p - origin) / RESOLUTION_M).astype(int)
+            inside = (cell >= 0).all(1) & (cell[:, 0] < grid.shape[1]) & (cell[:, 1] < grid.shape[0])
+            cost += np.where(inside, clamped[np.where(inside, cell[:, 1], 0), np.where(inside, cell[:, 0], 0)], 0.5)
+        for k in np.argsort(cost)[:20]:
+            scored.append((cost[k] / len(points), *places[k], theta))
+    scored.sort()
+    ends = sorted((align(cloud, scan, np.array(s[1:]), pull_m=1.0, pull_rad=0.3) for s in scored[:50]),
+                  key=lambda e: -e[1])
+    best = ends[0]
+    far = [e[1] for e in ends
+           if np.linalg.norm(e[0][:2] - best[0][:2]) > 1.0 or abs(wrap(e[0][2] - best[0][2])) > np.radians(20)]
+    return best[0], best[1], max(far, default=0.0)
+
+
+# ---- the grid ----------------------------------------------------------------------------------------------------------
+
+FREE, OCCUPIED, UNKNOWN = 0, 1, 2
+
+
+def build_grid(poses, scans):
+    """Counts per cell how many beams ended in it and how many went through. Returns cells (row 0 lowest), origin."""
+    ends = np.concatenate([transform(p, s.points()) for p, s in zip(poses, scans)] + [poses[:, :2]])
+    origin = np.floor(ends.min(0) - 0.5)
+    width, height = np.ceil((ends.max(0) + 0.5 - origin) / RESOLUTION_M).astype(int)
+    hits, passes = np.zeros(width * height, int), np.zeros(width * height, int)
+
+    def cells_of(points):
+        cell = np.floor((points - origin) / RESOLUTION_M).astype(int)
+        return cell[:, 1] * width + cell[:, 0]
+
+    for pose, scan in zip(poses, scans):
+        sensor = compose(pose, scan.T_base_sensor)[:2]
+        world = transform(pose, scan.points())
+        end_cells = cells_of(world)
+        np.add.at(hits, end_cells, 1)
+        for end, end_cell in zip(world, end_cells):
+            length_m = np.linalg.norm(end - sensor)
+            steps = np.arange(0.0, length_m, 0.3 * RESOLUTION_M)[:, None] / length_m
+            through = np.unique(cells_of(sensor + steps * (end - sensor)))
+            passes[through[through != end_cell]] += 1
+    share = hits / np.maximum(hits + passes, 1)
+    # A wall seen at a shallow angle is passed by the beams that end further along it: a quarter is a wall. One lone
+    # return that others saw through is a person or a mixed pixel.
+    cells = np.full(width * height, UNKNOWN)
+    cells[passes > 0] = FREE
+    cells[(hits > 0) & (share > 0.05)] = UNKNOWN
+    cells[((hits >= 2) & (share >= 0.25)) | ((hits >= 1) & (passes == 0))] = OCCUPIED
+    return cells.reshape(height, width), origin
+
+
+def write_map(path, cells, origin, comment):
+    grey = np.array([254, 0, 205], np.uint8)[cells[::-1]]
+    header = f"P5\n{cells.shape[1]} {cells.shape[0]}\n255\n".encode()
+    path.with_suffix(".pgm").write_bytes(header + grey.tobytes())
+    path.with_suffix(".yaml").write_text(
+        f"# {comment}; see logs/README.md\n"
+        f"image: {path.stem}.pgm\nresolution: {RESOLUTION_M}\norigin: [{origin[0]:.3f}, {origin[1]:.3f}, 0.0]\n"
+        "negate: 0\noccupied_thresh: 0.65\nfree_thresh: 0.196\n"
+    )
+
+
+# ---- logs --------------------------------------------------------------------------------------------------------------
+
+
+def write_log(path, scans, odometry):
+    lines = ["# ROBOTLASER1 type start_angle fov resolution max_range accuracy remission_mode n ranges 0 "
+             "laser_pose robot_pose tv rv forward side axis timestamp host logger_timestamp",
+             "# From Debian's mrpt-common, BSD-3-Clause; see README.md beside this file."]
+    for scan, odom in zip(scans, odometry):
+        laser = compose(odom, scan.T_base_sensor)
+        ranges = " ".join(f"{r:.2f}" for r in scan.ranges_m)
+        poses = " ".join(f"{v:.6f}" for v in (*laser, *odom))
+        lines.append(f"ROBOTLASER1 0 {-np.pi / 2:.9f} {np.pi:.9f} {np.pi / 360:.9f} {NO_RETURN_M:.1f} 0.01 0 "
+                     f"{len(scan.ranges_m)} {ranges} 0 {poses} 0 0 0 0 0 {scan.stamp_s:.6f} malaga "
+                     f"{scan.stamp_s - scans[0].stamp_s:.6f}")
+    path.write_bytes(gzip.compress(("\n".join(lines) + "\n").encode(), 9, mtime=0))
+
+
+def write_tum(path, scans, poses, comment):
+    rows = [f"# {comment}; see README.md beside this file", "# timestamp x y z qx qy qz qw"]
+    for scan, (x, y, theta) in zip(scans, poses):
+        rows.append(f"{scan.stamp_s:.6f} {x:.6f} {y:.6f} 0 0 0 {np.sin(theta / 2):.9f} {np.cos(theta / 2):.9f}")
+    path.write_text("\n".join(rows) + "\n")
+
+
+def draw(path, cells, origin, scans, poses, odometry):
+    import matplotlib
+
+    matplotlib.use("Agg")
+    import matplotlib.pyplot as plt
+
+    h, w = cells.shape
+    figure, axes = plt.subplots(2, 1, figsize=(20, 24))
+    dead = [compose(poses[0], relative(o, odometry[0])) for o in odometry]
+    for axis, track_, title in ((axes[0], np.array(dead), "odometry from the start pose"), (axes[1], poses, "reference")):
+        axis.imshow(np.array([1.0, 0.0, 0.7])[cells], cmap="gray", origin="lower",
+                    extent=(origin[0], origin[0] + w * RESOLUTION_M, origin[1], origin[1] + h * RESOLUTION_M))
+        for i, (scan, pose) in enumerate(zip(scans, track_)):
+            q = transform(pose, scan.points())
+            axis.plot(q[:, 0], q[:, 1], ".", ms=0.8, color=plt.cm.jet(i / len(scans)))
+        axis.plot(track_[:, 0], track_[:, 1], "r.-", lw=0.7, ms=3)
+        axis.set_title(title)
+    figure.tight_layout()
+    figure.savefig(path, dpi=70)
+
+
+def export(name, simplemap, rawlog, title, out, pictures):
+    keyframes = list(Stream(DATASETS / simplemap).objects())[0]
+    key_scans = [scan for _, scan in keyframes]
+    given = np.array([pose for pose, _ in keyframes])
+    poses, before, after = refine_keyframes(given, key_scans)
+    shift = np.linalg.norm((poses - given)[:, :2], axis=1)
+    print(f"{name}: {len(poses)} key frames, residual {100 * before:.2f} -> {100 * after:.2f} cm, moved "
+          f"{100 * shift.mean():.1f} cm in the mean, {100 * shift.max():.1f} at most")
+    cells, origin = build_grid(poses, key_scans)
+    cloud = cloud_of_map(poses, key_scans)
+    scans, odometry = read_rawlog(DATASETS / rawlog)
+    start, share, rival = global_start(cells, origin, cloud, scans[0])
+    print(f"{name}: start {np.round(start, 4)} explains {share:.3f} of the first scan; best rival elsewhere {rival:.3f}")
+    track_, shares, residuals = track(cloud, scans, odometry, start)
+    print(f"{name}: {len(scans)} scans, {np.linalg.norm(np.diff(track_[:, :2], axis=0), axis=1).sum():.1f} m, "
+          f"{scans[-1].stamp_s - scans[0].stamp_s:.1f} s; on the map: share {shares.mean():.3f} (least {shares.min():.3f}), "
+          f"residual {100 * residuals.mean():.2f} cm (most {100 * residuals.max():.2f})")
+    repeat_m, repeat_rad = precision(cloud, scans, track_)
+    print(f"{name}: from half the beams, the poses repeat to {100 * repeat_m:.2f} cm, {np.degrees(repeat_rad):.3f} degrees")
+    steps = [(relative(b, a), relative(v, u)) for a, b, u, v in zip(track_, track_[1:], odometry, odometry[1:])]
+    along = [np.hypot(*a[:2]) - np.hypot(*b[:2]) for a, b in steps]
+    turn = [wrap(a[2] - b[2]) for a, b in steps]
+    print(f"{name}: odometry per scan differs by {np.sqrt(np.mean(np.square(along))):.3f} m, "
+          f"{np.degrees(np.sqrt(np.mean(np.square(turn)))):.2f} degrees RMS; at the end by "
+          f"{np.round(relative(compose(start, odometry[-1]), track_[-1]), 3)}")
+    stamps = {round(s.stamp_s * 1e6): p for s, p in zip(key_scans, poses)}
+    same = [(p, stamps[round(s.stamp_s * 1e6)]) for s, p in zip(scans, track_) if round(s.stamp_s * 1e6) in stamps]
+    if same:
+        off = [np.linalg.norm(a[:2] - b[:2]) for a, b in same]
+        print(f"{name}: {len(same)} scans are key frames of the map; there the track differs from the map's own pose by "
+              f"{100 * np.mean(off):.2f} cm, {100 * np.max(off):.2f} at most")
+    write_map(out / f"{name}.yaml", cells, origin, title)
+    write_log(out / "logs" / f"{name}.log.gz", scans, odometry)
+    write_tum(out / "logs" / f"{name}.tum", scans, track_, "Reference: scans aligned to the map, not a survey")
+    print(f"{name}: {cells.shape[1]} x {cells.shape[0]} cells, origin {origin}")
+    if pictures:
+        draw(pathlib.Path(pictures) / f"{name}.png", cells, origin, scans, track_, odometry)
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser.add_argument("--out", type=pathlib.Path, default=pathlib.Path("maps"))
+    parser.add_argument("--pictures", help="a folder: draws the scans over the map there")
+    arguments = parser.parse_args()
+    (arguments.out / "logs").mkdir(parents=True, exist_ok=True)
+    export("malaga_corridor", "localization_demo.simplemap.gz", "localization_demo.rawlog",
+           "Corridor in Malaga, 19 January 2006", arguments.out, arguments.pictures)
+    export("malaga_faculty", "malaga-cs-fac-building.simplemap.gz",
+           "2006-01ENE-21-SENA_Telecom Faculty_one_loop_only.rawlog",
+           "Telecom Faculty in Malaga, 21 January 2006", arguments.out, arguments.pictures)
+
+
+if __name__ == "__main__":
+    main()
