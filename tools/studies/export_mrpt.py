@@ -12,17 +12,71 @@ maps/logs/README.md says what they are and how good they are. The same input giv
 import argparse
 import gzip
 import pathlib
+from dataclasses import dataclass, replace
 
 import numpy as np
 from scipy.ndimage import distance_transform_edt
-from scipy.sparse import coo_matrix
-from scipy.sparse.linalg import spsolve
 from scipy.spatial import cKDTree
 
-from mrpt_objects import NO_RETURN_M, Observation, Stream, compose, read_rawlog, relative, transform, wrap
+from grids import FREE, OCCUPIED, UNKNOWN, Grid, write_map
+from mrpt_objects import RangeScan, Stream
+from poses import compose, relative, wrap
 
 DATASETS = pathlib.Path("/usr/share/mrpt/datasets")
 RESOLUTION_M = 0.05
+MAP_RANGE_M = 30.0  # beyond it, beams half a degree apart are too sparse for 5 cm cells
+NO_RETURN_M = 80.0  # the recordings' maximum; codes for "no return" are 81.83 to 81.91
+
+
+# ---- the recordings ----------------------------------------------------------------------------------------------------
+
+
+def transform(pose, points):
+    c, s = np.cos(pose[2]), np.sin(pose[2])
+    return np.asarray(pose)[:2] + points @ np.array([[c, s], [-s, c]])
+
+
+@dataclass
+class Observation:
+    """One scan: ranges in metres from right (-90 degrees) to left (+90 degrees), both ends included."""
+
+    stamp_s: float
+    ranges_m: np.ndarray
+    T_base_sensor: tuple  # x, y [m], heading [rad]
+
+    def points(self, max_range_m=MAP_RANGE_M):
+        """Reflections in the frame of the base, n x 2."""
+        bearing = -np.pi / 2 + np.pi / (len(self.ranges_m) - 1) * np.arange(len(self.ranges_m))
+        keep = (self.ranges_m > 0.05) & (self.ranges_m < max_range_m)
+        r, a = self.ranges_m[keep], bearing[keep]
+        return transform(self.T_base_sensor, np.stack([r * np.cos(a), r * np.sin(a)], 1))
+
+
+def planar(pose):
+    """x, y and heading of a pose that has them first and last."""
+    return *pose[:2], pose[-1]
+
+
+def observation(scan):
+    expected = scan.to_left == 1 and len(scan.ranges_m) == 361 and abs(scan.aperture_rad - np.pi) <= 1e-6
+    if not expected or scan.range_max_m != NO_RETURN_M:
+        raise ValueError("expected 361 beams over 180 degrees from right to left, 80 m")
+    return Observation((scan.ticks - 116444736000000000) / 1e7, np.array(scan.ranges_m), planar(scan.pose))
+
+
+def read_rawlog(path):
+    """Scans, and the odometry pose at each, from the increments between them; the first is at the origin."""
+    scans, odometry, pose = [], [], (0.0, 0.0, 0.0)
+    for entry in Stream(path.read_bytes()).objects():
+        if isinstance(entry[0], RangeScan):
+            scans.append(observation(entry[0]))
+            odometry.append(pose)
+        elif scans:  # an increment before the first scan moves nothing that is in the log
+            pose = compose(pose, entry[0].delta)
+    return scans, odometry
+
+
+# ---- alignment: point to line, Huber's weights -------------------------------------------------------------------------
 
 
 def normals_of(points):
@@ -30,16 +84,13 @@ def normals_of(points):
     normals = np.zeros_like(points)
     good = np.zeros(len(points), bool)
     for i in range(2, len(points) - 2):
-        near = points[i - 2 : i + 3]
+        near = points[i - 2:i + 3]
         if np.abs(np.diff(near, axis=0)).max() > 0.5:
             continue
         value, vector = np.linalg.eigh(np.cov(near.T))
         normals[i] = vector[:, 0]
         good[i] = value[0] < 0.02 * value[1] or value[0] < 0.01**2
     return normals, good
-
-
-# ---- alignment: point to line, Huber's weights -------------------------------------------------------------------------
 
 
 def huber(residual_m, width_m=0.03):
@@ -80,14 +131,7 @@ def refine_keyframes(poses, scans, sweeps=30):
         for pose, q, (normals, good) in zip(poses, world, flat):
             c, s = np.cos(pose[2]), np.sin(pose[2])
             clouds.append(Cloud(q[good], normals[good] @ np.array([[c, s], [-s, c]])))
-        rows, columns, values = [], [], []
-        gradient = np.zeros(3 * len(poses))
-
-        def add(i, j, block):
-            for a in range(3):
-                for b in range(3):
-                    rows.append(3 * i + a), columns.append(3 * j + b), values.append(block[a, b])
-
+        hessian, gradient = np.zeros((len(poses), 3, len(poses), 3)), np.zeros((len(poses), 3))
         total, count = 0.0, 0
         for i in range(len(poses)):
             for j in range(len(poses)):
@@ -100,18 +144,18 @@ def refine_keyframes(poses, scans, sweeps=30):
                 w = huber(r) / 0.03**2 * min(1.0, 50 / len(r))
                 Ji, Jj = jacobian(poses[i], world[i][found], n), -jacobian(poses[j], world[i][found], n)
                 for a, Ja in ((i, Ji), (j, Jj)):
-                    gradient[3 * a : 3 * a + 3] += Ja.T @ (w * r)
+                    gradient[a] += Ja.T @ (w * r)
                     for b, Jb in ((i, Ji), (j, Jj)):
-                        add(a, b, Ja.T @ (w[:, None] * Jb))
+                        hessian[a, :, b] += Ja.T @ (w[:, None] * Jb)
                 total, count = total + np.abs(r).sum(), count + len(r)
         residuals.append(total / count)
         pull = np.diag([1 / 0.1**2, 1 / 0.1**2, 1 / np.radians(1.0) ** 2])
         for i in range(len(poses)):
             strength = pull if i else 1e6 * pull
             d = poses[i] - given[i]
-            add(i, i, strength)
-            gradient[3 * i : 3 * i + 3] += strength @ np.append(d[:2], wrap(d[2]))
-        step = spsolve(coo_matrix((values, (rows, columns))).tocsc(), -gradient).reshape(-1, 3)
+            hessian[i, :, i] += strength
+            gradient[i] += strength @ np.append(d[:2], wrap(d[2]))
+        step = np.linalg.solve(hessian.reshape(gradient.size, -1), -gradient.ravel()).reshape(-1, 3)
         poses += step
         poses[:, 2] = wrap(poses[:, 2])
         if np.abs(step).max() < 1e-5 and reach_m == 0.10:
@@ -156,7 +200,7 @@ def half_of(scan, first):
     """The scan with every other beam only."""
     ranges_m = scan.ranges_m.copy()
     ranges_m[1 - first :: 2] = np.inf
-    return Observation(scan.stamp_s, ranges_m, scan.T_base_sensor)
+    return replace(scan, ranges_m=ranges_m)
 
 
 def precision(cloud, scans, poses):
@@ -173,9 +217,9 @@ def track(cloud, scans, odometry, start):
     guess = start
     for i, scan in enumerate(scans):
         if i:
-            guess = compose(poses[-1], relative(odometry[i], odometry[i - 1]))
-        pose, share, residual = align(cloud, scan, guess)
-        poses.append(pose), shares.append(share), residuals.append(residual)
+            guess = np.array(compose(poses[-1], relative(odometry[i], odometry[i - 1])))
+        for found, value in zip((poses, shares, residuals), align(cloud, scan, guess), strict=True):
+            found.append(value)
     return np.array(poses), np.array(shares), np.array(residuals)
 
 
@@ -208,8 +252,6 @@ def global_start(grid, origin, cloud, scan):
 
 # ---- the grid ----------------------------------------------------------------------------------------------------------
 
-FREE, OCCUPIED, UNKNOWN = 0, 1, 2
-
 
 def build_grid(poses, scans):
     """Counts per cell how many beams ended in it and how many went through. Returns cells (row 0 lowest), origin."""
@@ -240,17 +282,6 @@ def build_grid(poses, scans):
     cells[(hits > 0) & (share > 0.05)] = UNKNOWN
     cells[((hits >= 2) & (share >= 0.25)) | ((hits >= 1) & (passes == 0))] = OCCUPIED
     return cells.reshape(height, width), origin
-
-
-def write_map(path, cells, origin, comment):
-    grey = np.array([254, 0, 205], np.uint8)[cells[::-1]]
-    header = f"P5\n{cells.shape[1]} {cells.shape[0]}\n255\n".encode()
-    path.with_suffix(".pgm").write_bytes(header + grey.tobytes())
-    path.with_suffix(".yaml").write_text(
-        f"# {comment}; see logs/README.md\n"
-        f"image: {path.stem}.pgm\nresolution: {RESOLUTION_M}\norigin: [{origin[0]:.3f}, {origin[1]:.3f}, 0.0]\n"
-        "negate: 0\noccupied_thresh: 0.65\nfree_thresh: 0.196\n"
-    )
 
 
 # ---- logs --------------------------------------------------------------------------------------------------------------
@@ -299,9 +330,9 @@ def draw(path, cells, origin, scans, poses, odometry):
 
 
 def export(name, simplemap, rawlog, title, out, pictures):
-    keyframes = list(Stream(DATASETS / simplemap).objects())[0]
-    key_scans = [scan for _, scan in keyframes]
-    given = np.array([pose for pose, _ in keyframes])
+    keyframes = Stream((DATASETS / simplemap).read_bytes()).read()
+    key_scans = [observation(scan) for _, scan in keyframes]
+    given = np.array([planar(pose) for pose, _ in keyframes])
     poses, before, after = refine_keyframes(given, key_scans)
     shift = np.linalg.norm((poses - given)[:, :2], axis=1)
     print(f"{name}: {len(poses)} key frames, residual {100 * before:.2f} -> {100 * after:.2f} cm, moved "
@@ -329,7 +360,8 @@ def export(name, simplemap, rawlog, title, out, pictures):
         off = [np.linalg.norm(a[:2] - b[:2]) for a, b in same]
         print(f"{name}: {len(same)} scans are key frames of the map; there the track differs from the map's own pose by "
               f"{100 * np.mean(off):.2f} cm, {100 * np.max(off):.2f} at most")
-    write_map(out / f"{name}.yaml", cells, origin, title)
+    write_map(out / f"{name}.yaml", Grid(*cells.shape[::-1], RESOLUTION_M, tuple(origin), cells.astype(np.uint8).tobytes()),
+              decimals=3, before=f"# {title}; see logs/README.md\n", mode="")
     write_log(out / "logs" / f"{name}.log.gz", scans, odometry)
     write_tum(out / "logs" / f"{name}.tum", scans, track_, "Reference: scans aligned to the map, not a survey")
     print(f"{name}: {cells.shape[1]} x {cells.shape[0]} cells, origin {origin}")
