@@ -42,19 +42,25 @@ def read_gridmap(s, version):
 mrpt_objects.READERS["COccupancyGridMap2D"] = read_gridmap
 
 
-class InFolder(unittest.TestCase):
+class TestCase(unittest.TestCase):
     def setUp(self):
         folder = tempfile.TemporaryDirectory()
         self.addCleanup(folder.cleanup)
         self.folder = pathlib.Path(folder.name)
+
+    def assert_near(self, found, given, places):
+        self.assertEqual(len(found), len(given))
+        for a, b in zip(found, given, strict=True):
+            self.assertAlmostEqual(a, b, places)
 
 
 def scan_at(stamp_s, pose, ranges_m=(0.0, 1.5, 8.0, math.nan, math.inf, 2.25)):
     return logs.Scan(stamp_s, list(ranges_m), -0.5, 0.25, 8.0, (0.1, -0.02, 0.3), pose)
 
 
-class Rawlog(unittest.TestCase):
+class Rawlog(TestCase):
     def setUp(self):
+        super().setUp()
         self.scans = [scan_at(5.0, (1.0, 2.0, 3.0)), scan_at(5.1, (1.1, 2.2, -3.1)), scan_at(5.2, (0.9, 2.4, -2.9))]
         self.motion = mrpt.Motion(0.1, 0.02, 0.07, 0.11, 1e-4, 2e-4)
 
@@ -72,7 +78,7 @@ class Rawlog(unittest.TestCase):
     def test_increments_lead_from_pose_to_pose(self):
         actions, _ = self.objects(True)
         x, y, heading = self.scans[0].T_odom_base
-        for action, scan in zip(actions, self.scans):
+        for action, scan in zip(actions, self.scans, strict=True):
             dx, dy, turn = action.delta
             x, y = x + math.cos(heading) * dx - math.sin(heading) * dy, y + math.sin(heading) * dx + math.cos(heading) * dy
             heading += turn
@@ -81,8 +87,7 @@ class Rawlog(unittest.TestCase):
             self.assertAlmostEqual(math.cos(heading - scan.T_odom_base[2]), 1, 12)
             self.assertLess(abs(turn), 1)  # the short way through pi
             self.assertEqual(action.model, 0)
-            for found, given in zip(action.gaussian, (0.1, 0.02, 0.07, 0.11, 1e-4, 2e-4)):
-                self.assertAlmostEqual(found, given, 7)  # float32
+            self.assert_near(action.gaussian, (0.1, 0.02, 0.07, 0.11, 1e-4, 2e-4), 7)  # float32
 
     def test_scan(self):
         _, scans = self.objects(True)
@@ -105,7 +110,7 @@ class Rawlog(unittest.TestCase):
         self.assertEqual(scans[1].ticks - scans[0].ticks, 1_000_000)  # 0.1 s in 100 ns
         truth = [line.split() for line in mrpt.ground_truth(self.scans, [(1, 2, 3)] * 3).splitlines()]
         self.assertEqual(len(truth), 2 + 3)
-        for row, scan in zip(truth[2:], scans):
+        for row, scan in zip(truth[2:], scans, strict=True):
             self.assertEqual(mrpt.ticks(float(row[0])), scan.ticks)
         for row in truth[:2]:  # or else MRPT takes the first column for indices
             self.assertNotEqual(float(row[0]) % 1, 0)
@@ -122,7 +127,7 @@ class Rawlog(unittest.TestCase):
         self.assertEqual(reader.position, len(reader.data))
 
 
-class Maps(InFolder):
+class Maps(TestCase):
     def write(self, pixels=b"P5\n# a comment\n3 2\n255\n" + bytes([0, 254, 205, 254, 254, 0]), **changes):
         settings = {"image": "m.pgm", "resolution": "0.05", "origin": "[-1.0, 2.0, 0.0]", **changes}
         (self.folder / "m.yaml").write_text("".join(f"{k}: {v}  # x\n" for k, v in settings.items() if v is not None))
@@ -153,33 +158,31 @@ class Maps(InFolder):
         again = grids.read_map(self.folder / "w.yaml")
         self.assertEqual(again.cells, wide.cells)
         self.assertEqual((again.width, again.height), (wide.width, wide.height))
-        for found, given in zip(again.origin_m, wide.origin_m):
-            self.assertAlmostEqual(found, given, 8)
+        self.assert_near(again.origin_m, wide.origin_m, 8)
         likelihood = mrpt.Likelihood(mrpt.LIKELIHOOD_FIELD, 0.1, 3.5, 0.1, 8.0, 2.0)
         found = mrpt_objects.Stream(mrpt.gridmap(wide, likelihood)).read()
         self.assertEqual((found["width"], found["height"]), (wide.width, wide.height))
-        self.assertEqual(found["cells"], tuple({grids.FREE: 127, grids.OCCUPIED: -127, grids.UNKNOWN: 0}[c] for c in wide.cells))
+        odds = {grids.FREE: 127, grids.OCCUPIED: -127, grids.UNKNOWN: 0}
+        self.assertEqual(found["cells"], tuple(odds[c] for c in wide.cells))
         x0, x1, y0, y1 = found["limits_m"]
-        self.assertAlmostEqual(x0, wide.origin_m[0], 6)
-        self.assertAlmostEqual(y0, wide.origin_m[1], 6)
-        self.assertAlmostEqual((x1 - x0) / 0.05, wide.width, 4)
-        self.assertAlmostEqual((y1 - y0) / 0.05, wide.height, 4)
+        self.assert_near((x0, y0), wide.origin_m, 6)
+        self.assert_near(((x1 - x0) / 0.05, (y1 - y0) / 0.05), (wide.width, wide.height), 4)
         self.assertEqual((found["method"], found["field_every"], found["ray_every"]), (4, 1, 1))
-        for key, value in (("sigma_m", 0.1), ("ray_sigma_m", 0.1), ("z_hit", 3.5), ("z_random", 0.1), ("range_max_m", 8), ("cap_m", 2)):
-            self.assertAlmostEqual(found[key], value, 6)
+        keys = ("sigma_m", "ray_sigma_m", "z_hit", "z_random", "range_max_m", "cap_m")
+        self.assert_near([found[key] for key in keys], (0.1, 0.1, 3.5, 0.1, 8, 2), 6)
 
     def test_broken_maps(self):
-        for name, path in (("image", lambda: self.write(pixels=b"P5\n3 2\n255\n12345")), ("P2", lambda: self.write(pixels=b"P2\n3 2\n255\n")),
-                           ("no image", lambda: self.write(image="none.pgm")),
-                           ("key", lambda: self.write(origin=None)), ("number", lambda: self.write(resolution="x")),
-                           ("resolution", lambda: self.write(resolution="0")), ("turned", lambda: self.write(origin="[0, 0, 0.1]")),
-                           ("off the cells", lambda: self.write(origin="[0.02, 0, 0]")), ("mode", lambda: self.write(mode="raw")),
+        for name, path in (("image", lambda: self.write(pixels=b"P5\n3 2\n255\n12345")),
+                           ("P2", lambda: self.write(pixels=b"P2\n3 2\n255\n")),
+                           *((key, lambda key=key, value=value: self.write(**{key: value})) for key, value in (
+                               ("image", "none.pgm"), ("origin", None), ("resolution", "x"), ("resolution", "0"),
+                               ("origin", "[0, 0, 0.1]"), ("origin", "[0.02, 0, 0]"), ("mode", "raw"))),
                            ("file", lambda: self.folder / "none.yaml")):
             with self.subTest(name), self.assertRaisesRegex(Failure, r"\.(yaml|pgm): expected [^\n]+$"):
                 grids.read_map(path())
 
 
-class Logs(InFolder):
+class Logs(TestCase):
     def setUp(self):
         super().setUp()
         self.path = self.folder / "log"
@@ -193,9 +196,8 @@ class Logs(InFolder):
         scans = self.read(["# a comment\n", "ODOM 0 0 0 0 0 0 0 host 0\n", *self.lines], limit=11)
         self.assertEqual(len(scans), 11)
         self.assertEqual(scans[3].ranges_m, [0.0, 1.5, 8.0, 2.25])
-        for found, given in zip((*scans[3].T_base_sensor, *scans[3].T_odom_base, scans[3].stamp_s, scans[3].angle_step_rad),
-                                (0.1, -0.02, 0.3, 1.5, 1.0, 0.6, 0.3, 0.25)):
-            self.assertAlmostEqual(found, given, 8)  # 9 decimals in the text
+        self.assert_near((*scans[3].T_base_sensor, *scans[3].T_odom_base, scans[3].stamp_s, scans[3].angle_step_rad),
+                         (0.1, -0.02, 0.3, 1.5, 1.0, 0.6, 0.3, 0.25), 8)  # 9 decimals in the text
 
     def test_thinned(self):
         scan = mrpt.thinned(scan_at(0, (0, 0, 0), range(1, 7)), 3)
@@ -207,8 +209,10 @@ class Logs(InFolder):
     def test_broken_logs(self):
         broken = self.lines[5].rsplit(" ", 8)[0] + "\n"
         fewer = logs.carmen_text(scan_at(0, (0, 0, 0), (1.0, 2.0)))
-        for name, lines, where in (("cut off", self.lines[:5] + [broken], r"log:6: "), ("beams", self.lines + [fewer], "log:13: "),
-                                   ("FLASER", ["FLASER 2 1 2 0 0 0 0 0 0 0 h 0\n"], "log:1: "), ("few", self.lines[:9], "log: ")):
+        for name, lines, where in (("cut off", [*self.lines[:5], broken], "log:6: "),
+                                   ("beams", [*self.lines, fewer], "log:13: "),
+                                   ("FLASER", ["FLASER 2 1 2 0 0 0 0 0 0 0 h 0\n"], "log:1: "),
+                                   ("few", self.lines[:9], "log: ")):
             with self.subTest(name), self.assertRaisesRegex(Failure, where + r"expected [^\n]+$"):
                 self.read(lines)
         self.path.write_bytes(b"\x1f\x8b garbage")
@@ -235,7 +239,8 @@ class Comparison(unittest.TestCase):
             self.assertTrue(pathlib.Path(name).is_absolute() and pathlib.Path(name).exists(), name)
 
     def refused(self, *arguments):
-        done = subprocess.run([sys.executable, "-B", ROOT / "tools/studies/compare_mrpt.py", *arguments], capture_output=True, text=True)
+        done = subprocess.run([sys.executable, "-B", ROOT / "tools/studies/compare_mrpt.py", *arguments], capture_output=True,
+                              text=True)
         self.assertEqual(done.returncode, 2, done.stderr)
         return done.stderr
 

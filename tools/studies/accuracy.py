@@ -4,11 +4,7 @@
     tools/studies/accuracy.py paper     the experiment of Paz et al. 2012: 15 configurations, simulated logs
     tools/studies/accuracy.py logs      real logs with a known start
 
-Needs Python 3.10 and a built program, nothing else. Every run has one thread and is deterministic, so the errors are
-the same for any --jobs and on any machine. An interrupted measurement (Ctrl-C) writes what it has as NAME.partial.*
-and leaves the page of an earlier one alone.
-
-Exit code: 0 all bars kept, 1 a bar missed, 2 wrong usage or a missing file, 3 a run of parloc failed, 130 interrupted.
+Every run has one thread and is deterministic, so the errors are the same for any --jobs and on any machine.
 """
 
 import math
@@ -17,7 +13,7 @@ from functools import partial
 
 import measuring
 from measuring import JOBS, LOGS_FOLDER, ROOT, Failure, count, option
-from pages import circumstances, circumstances_text, finish, first_lines, mean, table, table_of, where, within
+from pages import average, circumstances_text, first_lines, share_of, study, table, table_of_groups, where, within, worst
 from runs import common_values, files_of, localize, rms, simulate
 
 PARTICLES, BEAMS = (500, 1000, 2000, 3000, 4000), (50, 100, 200)
@@ -50,24 +46,17 @@ def paper_run(bench, log, particles, beams, seed):
 
 
 def good_text(runs):
-    return f"{sum(run['within_bars'] for run in runs)} of {len(runs)}"
-
-
-def worst(runs, key):
-    return max(run[key] for run in runs)
+    return share_of(runs, lambda run: run["within_bars"])
 
 
 def paper_table(runs):
     """One row per configuration, then the worst of all."""
     keys = sorted({(run["particles"], run["beams"]) for run in runs})
-    groups = [(f"{n}", f"{b}", where(runs, particles=n, beams=b)) for n, b in keys]
-    return table_of([*groups, ("**all**", "", runs)], {
-        "particles": lambda group: group[0], "beams": lambda group: group[1],
-        "mean of means": lambda group: f"{100 * mean(group[2], 'mean_m'):.2f}",
-        "worst mean": lambda group: f"{100 * worst(group[2], 'mean_m'):.2f}",
-        f"worst maximum after {SETTLING_S:g} s": lambda group: f"{100 * worst(group[2], 'max_settled_m'):.2f}",
-        "worst heading RMSE": lambda group: f"{worst(group[2], 'heading_rmse_deg'):.3f}",
-        "runs within all bars": lambda group: good_text(group[2])})
+    groups = {(f"{n}", f"{b}"): where(runs, particles=n, beams=b) for n, b in keys}
+    return table_of_groups(("particles", "beams"), {**groups, ("**all**", ""): runs}, {
+        "mean of means": average("mean_m", 2, 100), "worst mean": worst("mean_m", 2, 100),
+        f"worst maximum after {SETTLING_S:g} s": worst("max_settled_m", 2, 100),
+        "worst heading RMSE": worst("heading_rmse_deg", 3), "runs within all bars": good_text})
 
 
 PAPER_TEXT = """
@@ -105,16 +94,14 @@ def paper_page(record):
 
 def paper(bench):
     """the experiment of Paz et al. 2012"""
-    facts = {"what": "paper", **circumstances(bench.program), "bars": PAPER_BARS}
     seeds = range(1, bench.args.seeds + 1)
     logs_of = {seed: simulate(bench, PAPER_SCENARIO, seed, f"log_{seed}")[0] for seed in seeds}
     tasks = {(n, b, seed): partial(paper_run, bench, logs_of[seed], n, b, seed)
              for n in PARTICLES for b in BEAMS for seed in seeds}
-    results, end = bench.measure(tasks, lambda key, run: (
+    return study(bench, "paz2012_accuracy", tasks, lambda key, run: (
         f"{key[0]} particles x {key[1]} beams, seed {key[2]}: mean {100 * run['mean_m']:.2f} cm, maximum "
         f"{100 * run['max_settled_m']:.2f} cm, heading {run['heading_rmse_deg']:.3f} deg"
-        f"{'' if run['within_bars'] else '  MISSED'}"))
-    return finish(bench.args.out, "paz2012_accuracy", facts, len(tasks), results, end, paper_page)
+        f"{'' if run['within_bars'] else '  MISSED'}"), paper_page, what="paper", bars=PAPER_BARS)
 
 
 # ---- Real logs ---------------------------------------------------------------------------------------------------------
@@ -171,7 +158,7 @@ def log_tables(runs):
     worst_rows = []
     for name in dict.fromkeys(run["log"] for run in runs):
         group, bars = where(runs, log=name), LOGS[name][2]
-        worsts = {key: worst(group, key) for key, _, _ in LOG_COLUMNS if key in group[0]}
+        worsts = {key: max(run[key] for run in group) for key, _, _ in LOG_COLUMNS if key in group[0]}
         worst_rows.append((name, *log_cells(worsts, bars), good_text(group) if bars else "no bars"))
     all_rows = [(run["log"], str(run["seed"]), *log_cells(run, {})) for run in runs]
     return (table(("log", *header, "runs within all bars"), worst_rows), table(("log", "seed", *header), all_rows))
@@ -224,13 +211,12 @@ def logs(bench):
     """real logs, known start"""
     names = [name for name, (folder, _, _) in LOGS.items() if folder is None or not bench.args.shipped]
     files = {name: log_files(name, bench.args.data) for name in names}
-    facts = {"what": "logs", **circumstances(bench.program), "bars": {name: LOGS[name][2] for name in names}}
     tasks = {(name, seed): partial(log_run, bench, files[name], name, seed)
              for name in names for seed in range(1, bench.args.seeds + 1)}
-    results, end = bench.measure(tasks, lambda key, run: (
+    return study(bench, "real_logs", tasks, lambda key, run: (
         f"{key[0]}, seed {key[1]}: mean {run['mean_m']:.4f} m, maximum {run['max_m']:.3f} m, heading "
-        f"{run['heading_rmse_deg']:.3f} deg{'' if run.get('within_bars', True) else '  MISSED'}"))
-    return finish(bench.args.out, "real_logs", facts, len(tasks), results, end, logs_page)
+        f"{run['heading_rmse_deg']:.3f} deg{'' if run.get('within_bars', True) else '  MISSED'}"), logs_page,
+        what="logs", bars={name: LOGS[name][2] for name in names})
 
 
 if __name__ == "__main__":

@@ -1,13 +1,9 @@
 #!/usr/bin/env python3
 """Measures adaptive Monte Carlo localization and writes a page (Markdown) with all values beside it (JSON).
 
-    tools/studies/amcl.py [--seeds N] [--trials N] [--jobs K] [--out DIR] [--parloc FILE]
-
-Tracking: the office's drive, with a fixed number of particles and with one that adapts. False injection: the same, and the office
-full of people and boxes, at several rates of the running means. Kidnapping: a piece is cut out of the office's log, so that the
-robot is somewhere else from one scan to the next. Needs Python 3.10 and a built program.
-
-Exit code: 0 the bar kept, 1 missed, 2 wrong usage or a missing file, 3 a run of parloc failed, 130 interrupted.
+Tracking: the office's drive, with a fixed number of particles and with one that adapts. False injection: the same, and the
+office full of people and boxes, at several rates of the running means. Kidnapping: a piece is cut out of the office's log, so
+that the robot is somewhere else from one scan to the next.
 """
 
 import math
@@ -21,7 +17,7 @@ from functools import partial
 import measuring
 from logs import carmen_text, read_log
 from measuring import JOBS, count
-from pages import circumstances, circumstances_text, mean, table_of, where, write_results
+from pages import average, circumstances, circumstances_text, mean, share_of, table_of_groups, where, worst, write_results
 from poses import compose, relative
 from runs import FILTER_ALONE, files_of, localize, simulate, yaml_text
 
@@ -95,48 +91,45 @@ def of(record, scene, variant):
     return where(record["runs"], scene=scene, variant=variant)
 
 
-def share(runs, holds):
-    return f"{sum(map(holds, runs))} of {len(runs)}"
-
-
 def particles_of(runs):
     return statistics.fmean(run["particles"]["mean"] for run in runs)
 
 
+FEW = {"mean number": lambda runs: f"{particles_of(runs):.0f}"}
+INJECTED = {"injected": average("injected", 2, 100, " %")}
+
+
 def tracking_table(record, variants):
     base = mean(of(record, "office", "fixed, 4000"), "rmse_cm")
-    return table_of([(name, of(record, "office", name)) for name in variants], {
-        "particles": lambda group: group[0],
-        "mean number": lambda group: f"{particles_of(group[1]):.0f}",
-        "RMSE [cm]": lambda group: f"{mean(group[1], 'rmse_cm'):.2f}",
-        "over that of 4000": lambda group: f"{mean(group[1], 'rmse_cm') / base:.2f}",
-        "worst error [cm]": lambda group: f"{max(r['max_cm'] for r in group[1]):.1f}",
-        "heading RMSE [deg]": lambda group: f"{mean(group[1], 'heading_rmse_deg'):.2f}",
-        "NEES": lambda group: f"{mean(group[1], 'nees'):.1f}",
-        "median step [ms]": lambda group: f"{mean(group[1], 'step_ms'):.2f}",
-        "injected": lambda group: f"{100 * mean(group[1], 'injected'):.2f} %"})
+    return table_of_groups(("particles",), {(name,): of(record, "office", name) for name in variants}, {
+        **FEW, "RMSE [cm]": average("rmse_cm", 2), "over that of 4000": average("rmse_cm", 2, 1 / base),
+        "worst error [cm]": worst("max_cm", 1), "heading RMSE [deg]": average("heading_rmse_deg", 2),
+        "NEES": average("nees", 1), "median step [ms]": average("step_ms", 2), **INJECTED})
 
 
 def people_table(record):
     clean = {model: statistics.median(r["rmse_cm"] for r in of(record, PEOPLE, f"{model}, off")) for model in MODELS}
-    return table_of([(model, name, of(record, PEOPLE, f"{model}, {name}")) for model in MODELS for name in RATES], {
-        "model": lambda group: group[0], "rates": lambda group: group[1],
-        "tracked": lambda group: share(group[2], lambda r: r["rmse_cm"] < 2 * clean[group[0]]),
-        "median RMSE [cm]": lambda group: f"{statistics.median(r['rmse_cm'] for r in group[2]):.1f}",
-        "worst error [cm]": lambda group: f"{max(r['max_cm'] for r in group[2]):.0f}",
-        "mean number": lambda group: f"{particles_of(group[2]):.0f}",
-        "injected": lambda group: f"{100 * mean(group[2], 'injected'):.2f} %"})
+    groups = {(model, name): of(record, PEOPLE, f"{model}, {name}") for model in MODELS for name in RATES}
+    return table_of_groups(("model", "rates"), groups, {
+        "tracked": lambda runs: share_of(runs, lambda r: r["rmse_cm"] < 2 * clean[r["variant"].split(",")[0]]),
+        "median RMSE [cm]": lambda runs: f"{statistics.median(r['rmse_cm'] for r in runs):.1f}",
+        "worst error [cm]": worst("max_cm", 0), **FEW, **INJECTED})
+
+
+def found_within(most_s):
+    return lambda runs: share_of(runs, lambda r: r["found_s"] is not None and r["found_s"] <= most_s)
+
+
+def median_found(runs):
+    times = [r["found_s"] for r in runs if r["found_s"] is not None]
+    return f"{statistics.median(times):.1f}" if times else "-"
 
 
 def kidnapping_table(record):
-    names = dict.fromkeys(r["variant"] for r in record["runs"] if r["scene"] == "kidnapped")
-    times = {name: [r["found_s"] for r in of(record, "kidnapped", name)] for name in names}
-    found = {name: [t for t in times[name] if t is not None] for name in names}
-    within_s = {f"{text} {s:.0f} s": lambda name, s=s: f"{sum(t <= s for t in found[name])} of {len(times[name])}"
-                for text, s in (("found in", 5), ("in", 15), ("in", AFTER_S - HELD_S))}
-    return table_of(names, {
-        "model and rates": lambda name: name, **within_s,
-        "median of those found [s]": lambda name: f"{statistics.median(found[name]):.1f}" if found[name] else "-"})
+    names, most_s = dict.fromkeys(r["variant"] for r in where(record["runs"], scene="kidnapped")), AFTER_S - HELD_S
+    return table_of_groups(("model and rates",), {(name,): of(record, "kidnapped", name) for name in names}, {
+        "found in 5 s": found_within(5), "in 15 s": found_within(15), f"in {most_s:.0f} s": found_within(most_s),
+        "median of those found [s]": median_found})
 
 
 def judge(record):
@@ -195,7 +188,8 @@ nothing had happened. 100 to 20,000 particles. Found: within {FOUND_M} m and 10 
 
 def tasks_of(bench):
     adaptive, wide = KLD["100 to 4000"], {"min_particles": 100, "max_particles": 20000}
-    modelled = {(model, name): {"sensor": {"model": model}, **recovery(rates)} for model in MODELS for name, rates in RATES.items()}
+    modelled = {(model, name): {"sensor": {"model": model}, **recovery(rates)}
+                for model in MODELS for name, rates in RATES.items()}
     tracking = {"office": {**FIXED, **KLD, **{f"100 to 4000, {n}": {**adaptive, **recovery(r)} for n, r in RATES.items()}},
                 PEOPLE: {f"{model}, {name}": {**adaptive, **more} for (model, name), more in modelled.items()}}
     kidnapping = {f"{model}, {name}": {**wide, **more} for (model, name), more in modelled.items()
@@ -219,7 +213,8 @@ def run(bench):
     if end:
         raise end
     runs = list(results.values())
-    record = {"partial": False, **facts, "backend": runs[0]["backend"], "load": [*load, os.getloadavg()[0]], "bar": BAR, "runs": runs}
+    load.append(os.getloadavg()[0])
+    record = {"partial": False, **facts, "backend": runs[0]["backend"], "load": load, "bar": BAR, "runs": runs}
     record["within_bar"] = all(judge(record)[key] <= BAR[key] for key in BAR)
     write_results(bench.args.out, "amcl", record, page(record))
     return 0 if record["within_bar"] else 1

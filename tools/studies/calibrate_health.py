@@ -1,14 +1,10 @@
 #!/usr/bin/env python3
 """Fits the probability of being right to samples of `parloc evaluate --samples`.
 
-    tools/studies/calibrate_health.py SAMPLES.csv [...] [--min-share S] [--offset A --slope B]
-
 The probability is share / (1 + exp(-(offset + slope * evidence))) (common/localize/health.cpp). Prints offset and slope by
 logistic regression of "is right" on the evidence, over the samples in which one place has nearly all of the weight (the share
 says enough of the others), and over all samples the reliability, Brier score and AUC with the old and the new constants.
-Every other trial is left out of the fit and judged apart, to see whether it holds. Needs Python 3.10, nothing else.
-
-Exit code: 0 all is well, 2 wrong usage or a file that cannot be read, 3 samples that no curve can be fitted to.
+Every other trial is left out of the fit and judged apart, to see whether it holds.
 """
 
 import bisect
@@ -128,7 +124,8 @@ def print_judgements(title, samples, old, new):
         print(f"{name:14}" + "".join(f"{fixed(judged[key], 4):>30}" for judged in both))
     print(f"{'said':14}" + f"{'samples':>10}{'mean':>10}{'right':>10}" * 2)
     for k in range(10):
-        cells = "".join(f"{n:>10}{fixed(said, 3):>10}{fixed(right, 3):>10}" for n, said, right in (judged["bins"][k] for judged in both))
+        bins = [judged["bins"][k] for judged in both]
+        cells = "".join(f"{n:>10}{fixed(said, 3):>10}{fixed(right, 3):>10}" for n, said, right in bins)
         print(f"{k / 10:.1f} to {(k + 1) / 10:.1f}    {cells}")
 
 

@@ -1,15 +1,10 @@
 #!/usr/bin/env python3
 """Runs `parloc compare` for docs/results/compare.md: writes that page (Markdown) with all values beside it (JSON).
 
-    tools/studies/compare_filters.py [--seeds N] [--seed FIRST] [--jobs K] [--parts PART ...] [--out DIR] [--parloc FILE] [--data DIR]
-
 Parts: house (the simulated drive at three noises of the wheels), followup (in the setting of the study's follow-up), speed
 (one seed, one filter at a time), logs (recorded ones), troubles (wrong starts, a kidnapping, clutter). A part that is not
-asked for stays as the JSON file has it. Errors are the same for any --jobs and on any machine. The first seed is 21, for
-settings were tuned on seeds 1 to 5. Needs Python 3.10, a built program and the folder of the maps and logs.
-
-Exit code: 0 all bars kept, 1 a bar missed, 2 wrong usage or a missing file, 3 a run of parloc failed, 130 interrupted: parts
-that are finished are written in any case.
+asked for stays as the JSON file has it, and parts that are finished are written in any case. Errors are the same for any
+--jobs and on any machine. The first seed is 21, for settings were tuned on seeds 1 to 5.
 """
 
 import json
@@ -44,7 +39,8 @@ TROUBLES = {  # name: arguments
         ("start 0.2 m off", "0.2,0"), ("0.5 m", "0.5,0"), ("1 m", "1,0"), ("start 10 deg off", "0,10"), ("30 deg", "0,30"),
         ("60 deg", "0,60"))},
     **{f"{name} (told)": ["--start-error", error, "--sigma", sigma, "--duration", 120] for name, error, sigma in (
-        ("0.5 m", "0.5,0", "0.5,0.05"), ("1 m", "1,0", "1,0.05"), ("30 deg", "0,30", "0.1,0.52"), ("60 deg", "0,60", "0.1,1.05"))},
+        ("0.5 m", "0.5,0", "0.5,0.05"), ("1 m", "1,0", "1,0.05"), ("30 deg", "0,30", "0.1,0.52"),
+        ("60 deg", "0,60", "0.1,1.05"))},
     "kidnapped by 2 m": ["--kidnap", "30..180,2", "--duration", 240],
     "clutter 5 %": ["--people", 1],
     "clutter 20 %": ["--people", 7],
@@ -102,15 +98,19 @@ def speed(args, run):
 
 
 def logs(args, run):
-    return {name: run(f"log_{name}", ["--log", args.data / name / "scans.log", "--truth", args.data / name / "reference.tum",
-                                      "--map", args.data / name / grid, "--filters", FILTERS, *seeds_of(args, min(5, args.seeds))])
-            for name, grid in LOGS.items()}
+    results = {}
+    for name, grid in LOGS.items():
+        home = args.data / name
+        results[name] = run(f"log_{name}", [
+            "--log", home / "scans.log", "--truth", home / "reference.tum", "--map", home / grid, "--filters", FILTERS,
+            *seeds_of(args, min(5, args.seeds))])
+    return results
 
 
 def troubles(args, run):
-    return {name: run(f"trouble_{k}", ["--scenario", SCENARIO, "--kappa", TROUBLE_KAPPA, *settings_at(TROUBLE_KAPPA), "--filters",
-                                       FILTERS, *seeds_of(args, args.seeds), *more])
-            for k, (name, more) in enumerate(TROUBLES.items())}
+    common = ["--scenario", SCENARIO, "--kappa", TROUBLE_KAPPA, *settings_at(TROUBLE_KAPPA), "--filters", FILTERS,
+              *seeds_of(args, args.seeds)]
+    return {name: run(f"trouble_{k}", [*common, *more]) for k, (name, more) in enumerate(TROUBLES.items())}
 
 
 PARTS = {"house": house, "followup": followup, "speed": speed, "logs": logs, "troubles": troubles}
@@ -221,9 +221,9 @@ def followup_text(result):
     rows = table_of(result["published"]["rows"], {
         "filter": lambda r: r["name"], "RMSE [m]": lambda r: f"{r['position_rmse_m']:.4f}",
         "heading RMSE [rad]": lambda r: f"{r['heading_rmse_rad']:.4f}", "step [ms]": lambda r: fixed(r["step_ms"], 2)})
-    return (f"\n## The setting of the follow-up\n\nThe same drive with kappa = {FOLLOWUP_KAPPA} m, ranges of 2 cm noise and the "
-            f"1 cm map, {seeds_text(result)}. No bar was set for it.\n\n{error_table(result)}\n\nPublished, all rows (AMCL+ "
-            f"weighs every scan, as `amcl` here; times are theirs, in ROS):\n\n{rows}\n")
+    return (f"\n## The setting of the follow-up\n\nThe same drive with kappa = {FOLLOWUP_KAPPA} m, ranges of 2 cm noise and "
+            f"the 1 cm map, {seeds_text(result)}. No bar was set for it.\n\n{error_table(result)}\n\nPublished, all rows "
+            f"(AMCL+ weighs every scan, as `amcl` here; times are theirs, in ROS):\n\n{rows}\n")
 
 
 def growth_text(result):
@@ -240,8 +240,8 @@ def speed_text(result):
     rows = table_of(result["times"]["filters"], {
         "filter": lambda f: f["filter"], "median [ms]": lambda f: f"{f['step_median_ms']:.4f}",
         "p99 [ms]": lambda f: f"{f['step_p99_ms']:.4f}", "times real time": lambda f: f"{f['real_time_factor']:.0f}"})
-    return ("\n## Times of a step\n\nOne seed of the drive, one filter at a time, one thread. Other work ran on the machine; it is "
-            f"in p99 and in the last column.\n\n{rows}\n{growth_text(result)}")
+    return ("\n## Times of a step\n\nOne seed of the drive, one filter at a time, one thread. Other work ran on the machine; "
+            f"it is in p99 and in the last column.\n\n{rows}\n{growth_text(result)}")
 
 
 def logs_text(results):
@@ -276,7 +276,8 @@ def troubles_text(results):
             text.format(trouble, f["lost"]) for trouble, f in of[name].items() if holds(f["lost"])) or "nothing"
 
     def clutter_cells(name):
-        return [cell for trouble in clutter for cell in (spread("position_rmse_m", 4)(of[name][trouble]), away_text(of[name][trouble]))]
+        rows = [of[name][trouble] for trouble in clutter]
+        return [cell for f in rows for cell in (spread("position_rmse_m", 4)(f), away_text(f))]
 
     clutter = [trouble for trouble in results if trouble.startswith("clutter") or trouble == "none"]
     header = ["filter", *(text for trouble in clutter for text in (trouble, "> 0.5 m"))]
@@ -297,11 +298,16 @@ def where_text(record):
 TEXTS = {"house": house_text, "followup": followup_text, "speed": speed_text, "logs": logs_text, "troubles": troubles_text}
 
 
+PAGE = """# Filters compared
+
+What this is, how to read it and when to choose which filter: [compare](../compare.md). Settings were tuned on seeds {tuned}; \
+each part says of which ones its figures are. A run is lost if it is farther than 0.5 m off at its end. The means of errors \
+and NEES are of the runs that kept their robot; a bar is kept only without a lost run.
+"""
+
+
 def page(record):
-    text = ("# Filters compared\n\nWhat this is, how to read it and when to choose which filter: [compare](../compare.md). Settings "
-            f"were tuned on seeds {TUNED}; each part says of which ones its figures are. A run is lost if it is farther than 0.5 m "
-            "off at its end. The means of errors and NEES are of the runs that kept their robot; a bar is kept only without a lost "
-            "run.\n")
+    text = PAGE.format(tuned=TUNED)
     if bars := judged(record):
         text += f"\n{bars_table(bars)}\n"
     return text + "".join(text_of(record[part]) for part, text_of in TEXTS.items() if part in record) + where_text(record)
@@ -339,5 +345,6 @@ def run(bench):
 
 if __name__ == "__main__":
     sys.exit(measuring.study(__doc__, {run: (
-        count("--seeds", 20, "how many"), count("--seed", 21, "first seed"), count("--jobs", 1, "seeds at a time, but for speed"),
+        count("--seeds", 20, "how many"), count("--seed", 21, "first seed"),
+        count("--jobs", 1, "seeds at a time, but for speed"),
         subset("--parts", PARTS, "what to run", "PART"), LOGS_FOLDER)}))

@@ -1,15 +1,12 @@
 #!/usr/bin/env python3
-"""Runs MRPT's pf-localization and `parloc run` by turns on the same log, and writes a page (Markdown) with all values beside it
-(JSON): time of a filter step, and position error.
+"""Runs MRPT's pf-localization and `parloc run` by turns on the same log, and writes a page (Markdown) with all values beside
+it (JSON): time of a filter step, and position error.
 
     sudo apt-get install mrpt-apps
     tools/studies/compare_mrpt.py                                   a simulated log: some minutes
     tools/studies/compare_mrpt.py --map M.yaml --log LOG --truth T.tum
 
-Needs Python 3.10, a built program, and pf-localization of MRPT 2; nothing else here needs MRPT. An interrupted comparison (Ctrl-C)
-writes the rounds that it has as mrpt.partial.* and leaves the page of an earlier one alone.
-
-Exit code: 0 done, 2 wrong usage or a missing or broken file, 3 a run of a program failed, 130 interrupted.
+Needs pf-localization of MRPT 2; nothing else here needs MRPT.
 """
 
 import json
@@ -116,7 +113,8 @@ def measure(bench, drive):
                 partial(run_parloc, bench.program, particles, row, drive, bench.folder, number) if row.model else
                 partial(run_mrpt, pf_localization, particles, row, drive, bench.folder))
     results, end = bench.measure(tasks, lambda key, run: (
-        f"round {key[0]}, {key[1]}: {run['median_ms']:.3f} ms per step, mean error {100 * run['mean_m']:.2f} cm"), pf_localization)
+        f"round {key[0]}, {key[1]}: {run['median_ms']:.3f} ms per step, mean error {100 * run['mean_m']:.2f} cm"),
+        pf_localization)
     whole = len(results) // len(ROWS)
     if not whole:
         raise end
@@ -228,11 +226,11 @@ def page(record):
     rows, setup = {run["row"]: run for run in record["runs"]}, record["setup"]
     text = PAGE.format(
         partial=f"**Partial: ended after {setup['rounds']} rounds ({record['ended_by']}).** " if record["partial"] else "",
-        mrpt=rows["mrpt_ray"]["backend"], **setup, sigma=models.SIGMA_M, cap=models.FIELD_CAP_M, tempering=models.FIELD_TEMPERING,
-        table=results_table(rows),
+        mrpt=rows["mrpt_ray"]["backend"], **setup, table=results_table(rows), backend=rows["gaussian_1"]["backend"],
         busy=spread([v for key in ("mrpt_ray", "mrpt_field") for v in rows[key]["cores_busy"]], lambda v: f"{v:.2f}"),
-        backend=rows["gaussian_1"]["backend"], hit=models.MRPT_RAY_HIT, floor=models.MRPT_RAY_FLOOR_M / told_range_m(setup["range"]),
-        step=models.MRPT_RAY_STEP_CELLS, step_cm=100 * models.MRPT_RAY_STEP_CELLS * setup["resolution_m"], told=told_range_m(setup["range"]),
+        sigma=models.SIGMA_M, cap=models.FIELD_CAP_M, tempering=models.FIELD_TEMPERING, hit=models.MRPT_RAY_HIT,
+        floor=models.MRPT_RAY_FLOOR_M / told_range_m(setup["range"]), step=models.MRPT_RAY_STEP_CELLS,
+        step_cm=100 * models.MRPT_RAY_STEP_CELLS * setup["resolution_m"], told=told_range_m(setup["range"]),
         margin=MARGIN_CELLS, alphas=", ".join(map(str, models.ALPHAS)), start_m=START_SIGMA_M, start_rad=START_SIGMA_RAD,
         ess=spread([v for run in rows.values() for v in run.get("ess_after_resampling", [])], lambda v: f"{v:.2f}"))
     keys = list(CIRCUMSTANCES)

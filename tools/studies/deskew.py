@@ -1,12 +1,8 @@
 #!/usr/bin/env python3
 """Measures what deskewing is worth and writes a page (Markdown) with all values beside it (JSON).
 
-    tools/studies/deskew.py [--seeds N] [--jobs K] [--out DIR] [--parloc FILE]
-
 Every seed is driven twice, with scans taken in an instant and with scans of 0.1 s, all noise being the same. The filter is
-run on the first, and on the second without and with knowing the scan time. Needs Python 3.10 and a built program.
-
-Exit code: 0 the bar kept, 1 missed, 2 wrong usage or a missing file, 3 a run of parloc failed, 130 interrupted.
+run on the first, and on the second without and with knowing the scan time.
 """
 
 import math
@@ -66,8 +62,9 @@ def one_seed(bench, scene, seed):
         return {kind: errors_of(bench, f"{log.name}_{kind}_run", scene, seed, log, told_s, stamp_at)
                 for kind, told_s in told.items()}
 
+    told = {"ignored": 0, "deskewed": SCAN_TIME_S}
     return {"scene": scene, "seed": seed, **errors("instant", 0, "first", {"instant": 0}),
-            **{stamp_at: errors(stamp_at, SCAN_TIME_S, stamp_at, {"ignored": 0, "deskewed": SCAN_TIME_S}) for stamp_at in STAMPS}}
+            **{stamp_at: errors(stamp_at, SCAN_TIME_S, stamp_at, told) for stamp_at in STAMPS}}
 
 
 def removed(instant, ignored, deskewed):
@@ -144,7 +141,8 @@ def run(bench):
         raise end
     runs = list(results.values())
     within = all(summary(runs, "spin", stamp_at, key)[1] >= BAR for stamp_at in STAMPS for key in ("heading_deg", "position_m"))
-    record = {"partial": False, **facts, "backend": runs[0]["instant"]["backend"], "bar": BAR, "within_bar": within, "runs": runs}
+    record = {"partial": False, **facts, "backend": runs[0]["instant"]["backend"], "bar": BAR, "within_bar": within,
+              "runs": runs}
     write_results(bench.args.out, "deskew", record, page(record))
     return 0 if within else 1
 

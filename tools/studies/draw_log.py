@@ -1,10 +1,11 @@
 #!/usr/bin/env python3
-"""Draws a simulated drive on its map: the true path, what the odometry says, and where the beams end.
+"""Draws a drive on its map: the true path, what the odometry says, and where the beams end.
 
     python3 tools/studies/draw_log.py maps/hall_obstacles.pgm 0 0 DIR docs/images/hall_17m.png
+    python3 tools/studies/draw_log.py maps/malaga_faculty.pgm -38 -49 maps/logs/malaga_faculty faculty.png
 
-The two numbers are the map's origin; DIR holds scans.log and truth.tum of `parloc simulate`. Makes the pictures of
-docs/simulator.md; Python's standard library only.
+The two numbers are the map's origin; DIR holds scans.log and truth.tum of `parloc simulate`, else it is the beginning of the
+names of a .log.gz and a .tum. Of a long log every 25th scan is drawn. Makes the pictures of docs/simulator.md.
 """
 
 import math
@@ -43,9 +44,10 @@ class Picture:
 
 def draw(pgm, x, y, folder, image):
     picture, folder = Picture(pgm, (float(x), float(y))), pathlib.Path(folder)
-    truth = [row[1:] for row in read_tum(folder / "truth.tum")]
-    scans = read_log(folder / "scans.log")
-    for pose, scan in list(zip(truth, scans, strict=False))[::25]:
+    log, trajectory = ((folder / "scans.log", folder / "truth.tum") if folder.is_dir() else
+                       (folder.with_suffix(".log.gz"), folder.with_suffix(".tum")))
+    scans, truth = read_log(log), [row[1:] for row in read_tum(trajectory)]
+    for pose, scan in list(zip(truth, scans, strict=False))[::25 if len(scans) > 250 else 1]:
         sensor = compose(pose, scan.T_base_sensor)
         for k, r in enumerate(scan.ranges_m):
             if 0 < r < scan.range_max_m:

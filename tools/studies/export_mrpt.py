@@ -1,8 +1,8 @@
 #!/usr/bin/env python3
 """Exports the two real logs in maps/ and their maps from Debian's mrpt-common package. Run once; not part of the build.
 
-    sudo apt-get install mrpt-common python3-numpy python3-scipy python3-matplotlib
-    /usr/bin/python3 tools/studies/export_mrpt.py --out maps [--pictures /tmp]
+    sudo apt-get install mrpt-common python3-numpy python3-scipy
+    /usr/bin/python3 tools/studies/export_mrpt.py --out maps
 
 Input: /usr/share/mrpt/datasets (MRPT's own binary objects, possibly gzip).
 Output: malaga_{corridor,faculty}.{yaml,pgm} and logs/malaga_{corridor,faculty}.{log.gz,tum} under --out.
@@ -11,16 +11,18 @@ maps/logs/README.md says what they are and how good they are. The same input giv
 
 import argparse
 import gzip
+import math
 import pathlib
 from dataclasses import dataclass, replace
+from itertools import pairwise
 
 import numpy as np
-from scipy.ndimage import distance_transform_edt
-from scipy.spatial import cKDTree
-
 from grids import FREE, OCCUPIED, UNKNOWN, Grid, write_map
+from measuring import ROOT
 from mrpt_objects import RangeScan, Stream
 from poses import compose, relative, wrap
+from scipy.ndimage import distance_transform_edt
+from scipy.spatial import cKDTree
 
 DATASETS = pathlib.Path("/usr/share/mrpt/datasets")
 RESOLUTION_M = 0.05
@@ -115,22 +117,29 @@ class Cloud:
         normals = self.normals[index[found]]
         return found, np.sum((world[found] - self.points[index[found]]) * normals, 1), normals
 
+    def placed(self, pose):
+        return Cloud(transform(pose, self.points), transform((0, 0, pose[2]), self.normals))
+
+
+def lines_of(scan):
+    """The points of a scan, in the frame of the base, that lie on a line."""
+    points = scan.points()
+    normals, good = normals_of(points)
+    return Cloud(points[good], normals[good])
+
 
 def refine_keyframes(poses, scans, sweeps=30):
     """All key-frame poses at once: every scan to the lines of every other that it overlaps, and a weak pull (10 cm,
     1 degree) to where MRPT's own mapping put it. The first stays. Returns poses and the mean residual before, after."""
     local = [scan.points() for scan in scans]
-    flat = [normals_of(p) for p in local]
+    lines = [lines_of(scan) for scan in scans]
     poses = poses.copy()
     given = poses.copy()
     residuals = []
     for sweep in range(sweeps):
         reach_m = max(0.10, 0.30 - 0.02 * sweep)
-        world = [transform(p, q) for p, q in zip(poses, local)]
-        clouds = []
-        for pose, q, (normals, good) in zip(poses, world, flat):
-            c, s = np.cos(pose[2]), np.sin(pose[2])
-            clouds.append(Cloud(q[good], normals[good] @ np.array([[c, s], [-s, c]])))
+        world = [transform(p, q) for p, q in zip(poses, local, strict=True)]
+        clouds = [cloud.placed(pose) for pose, cloud in zip(poses, lines, strict=True)]
         hessian, gradient = np.zeros((len(poses), 3, len(poses), 3)), np.zeros((len(poses), 3))
         total, count = 0.0, 0
         for i in range(len(poses)):
@@ -164,21 +173,16 @@ def refine_keyframes(poses, scans, sweeps=30):
 
 
 def cloud_of_map(poses, scans):
-    points, normals = [], []
-    for pose, scan in zip(poses, scans):
-        q = scan.points()
-        n, good = normals_of(q)
-        points.append(transform(pose, q[good]))
-        normals.append(transform(np.array([0, 0, pose[2]]), n[good]))
-    return Cloud(np.concatenate(points), np.concatenate(normals))
+    placed = [lines_of(scan).placed(pose) for pose, scan in zip(poses, scans, strict=True)]
+    return Cloud(np.concatenate([cloud.points for cloud in placed]), np.concatenate([cloud.normals for cloud in placed]))
 
 
-def align(cloud, scan, guess, pull_m=0.2, pull_rad=np.radians(3.0), reaches_m=(0.6, 0.4, 0.3, 0.2, 0.15, 0.15, 0.15)):
+def align(cloud, scan, guess, pull_m=0.2, pull_deg=3.0, reaches_m=(0.6, 0.4, 0.3, 0.2, 0.15, 0.15, 0.15)):
     """The pose of the base that lays the scan on the map, from a guess that pulls weakly. Returns pose, share of the
     points within 15 cm of a line of the map, and their mean residual."""
     local = scan.points()
     pose = guess.copy()
-    prior = np.diag([1 / pull_m**2, 1 / pull_m**2, 1 / pull_rad**2])
+    prior = np.diag([1 / pull_m**2, 1 / pull_m**2, 1 / np.radians(pull_deg) ** 2])
     for reach_m in reaches_m:
         for _ in range(8):
             world = transform(pose, local)
@@ -207,7 +211,7 @@ def precision(cloud, scans, poses):
     """Poses from the even and the odd beams alone, half their difference as the error of the whole: RMS in metres and
     radians. It sees noise of the beams, not errors of the map."""
     d = np.array([relative(align(cloud, half_of(s, 0), p)[0], align(cloud, half_of(s, 1), p)[0])
-                  for s, p in zip(scans, poses)]) / 2
+                  for s, p in zip(scans, poses, strict=True)]) / 2
     return np.sqrt((d[:, :2] ** 2).sum(1).mean()), np.sqrt((d[:, 2] ** 2).mean())
 
 
@@ -242,7 +246,7 @@ def global_start(grid, origin, cloud, scan):
         for k in np.argsort(cost)[:20]:
             scored.append((cost[k] / len(points), *places[k], theta))
     scored.sort()
-    ends = sorted((align(cloud, scan, np.array(s[1:]), pull_m=1.0, pull_rad=0.3) for s in scored[:50]),
+    ends = sorted((align(cloud, scan, np.array(s[1:]), pull_m=1.0, pull_deg=math.degrees(0.3)) for s in scored[:50]),
                   key=lambda e: -e[1])
     best = ends[0]
     far = [e[1] for e in ends
@@ -255,7 +259,7 @@ def global_start(grid, origin, cloud, scan):
 
 def build_grid(poses, scans):
     """Counts per cell how many beams ended in it and how many went through. Returns cells (row 0 lowest), origin."""
-    ends = np.concatenate([transform(p, s.points()) for p, s in zip(poses, scans)] + [poses[:, :2]])
+    ends = np.concatenate([transform(p, s.points()) for p, s in zip(poses, scans, strict=True)] + [poses[:, :2]])
     origin = np.floor(ends.min(0) - 0.5)
     width, height = np.ceil((ends.max(0) + 0.5 - origin) / RESOLUTION_M).astype(int)
     hits, passes = np.zeros(width * height, int), np.zeros(width * height, int)
@@ -264,12 +268,12 @@ def build_grid(poses, scans):
         cell = np.floor((points - origin) / RESOLUTION_M).astype(int)
         return cell[:, 1] * width + cell[:, 0]
 
-    for pose, scan in zip(poses, scans):
+    for pose, scan in zip(poses, scans, strict=True):
         sensor = compose(pose, scan.T_base_sensor)[:2]
         world = transform(pose, scan.points())
         end_cells = cells_of(world)
         np.add.at(hits, end_cells, 1)
-        for end, end_cell in zip(world, end_cells):
+        for end, end_cell in zip(world, end_cells, strict=True):
             length_m = np.linalg.norm(end - sensor)
             steps = np.arange(0.0, length_m, 0.3 * RESOLUTION_M)[:, None] / length_m
             through = np.unique(cells_of(sensor + steps * (end - sensor)))
@@ -291,7 +295,7 @@ def write_log(path, scans, odometry):
     lines = ["# ROBOTLASER1 type start_angle fov resolution max_range accuracy remission_mode n ranges 0 "
              "laser_pose robot_pose tv rv forward side axis timestamp host logger_timestamp",
              "# From Debian's mrpt-common, BSD-3-Clause; see README.md beside this file."]
-    for scan, odom in zip(scans, odometry):
+    for scan, odom in zip(scans, odometry, strict=True):
         laser = compose(odom, scan.T_base_sensor)
         ranges = " ".join(f"{r:.2f}" for r in scan.ranges_m)
         poses = " ".join(f"{v:.6f}" for v in (*laser, *odom))
@@ -303,33 +307,12 @@ def write_log(path, scans, odometry):
 
 def write_tum(path, scans, poses, comment):
     rows = [f"# {comment}; see README.md beside this file", "# timestamp x y z qx qy qz qw"]
-    for scan, (x, y, theta) in zip(scans, poses):
+    for scan, (x, y, theta) in zip(scans, poses, strict=True):
         rows.append(f"{scan.stamp_s:.6f} {x:.6f} {y:.6f} 0 0 0 {np.sin(theta / 2):.9f} {np.cos(theta / 2):.9f}")
     path.write_text("\n".join(rows) + "\n")
 
 
-def draw(path, cells, origin, scans, poses, odometry):
-    import matplotlib
-
-    matplotlib.use("Agg")
-    import matplotlib.pyplot as plt
-
-    h, w = cells.shape
-    figure, axes = plt.subplots(2, 1, figsize=(20, 24))
-    dead = [compose(poses[0], relative(o, odometry[0])) for o in odometry]
-    for axis, track_, title in ((axes[0], np.array(dead), "odometry from the start pose"), (axes[1], poses, "reference")):
-        axis.imshow(np.array([1.0, 0.0, 0.7])[cells], cmap="gray", origin="lower",
-                    extent=(origin[0], origin[0] + w * RESOLUTION_M, origin[1], origin[1] + h * RESOLUTION_M))
-        for i, (scan, pose) in enumerate(zip(scans, track_)):
-            q = transform(pose, scan.points())
-            axis.plot(q[:, 0], q[:, 1], ".", ms=0.8, color=plt.cm.jet(i / len(scans)))
-        axis.plot(track_[:, 0], track_[:, 1], "r.-", lw=0.7, ms=3)
-        axis.set_title(title)
-    figure.tight_layout()
-    figure.savefig(path, dpi=70)
-
-
-def export(name, simplemap, rawlog, title, out, pictures):
+def export(name, simplemap, rawlog, title, out):
     keyframes = Stream((DATASETS / simplemap).read_bytes()).read()
     key_scans = [observation(scan) for _, scan in keyframes]
     given = np.array([planar(pose) for pose, _ in keyframes])
@@ -348,14 +331,15 @@ def export(name, simplemap, rawlog, title, out, pictures):
           f"residual {100 * residuals.mean():.2f} cm (most {100 * residuals.max():.2f})")
     repeat_m, repeat_rad = precision(cloud, scans, track_)
     print(f"{name}: from half the beams, the poses repeat to {100 * repeat_m:.2f} cm, {np.degrees(repeat_rad):.3f} degrees")
-    steps = [(relative(b, a), relative(v, u)) for a, b, u, v in zip(track_, track_[1:], odometry, odometry[1:])]
+    steps = [(relative(b, a), relative(v, u)) for (a, b), (u, v) in zip(pairwise(track_), pairwise(odometry), strict=True)]
     along = [np.hypot(*a[:2]) - np.hypot(*b[:2]) for a, b in steps]
     turn = [wrap(a[2] - b[2]) for a, b in steps]
     print(f"{name}: odometry per scan differs by {np.sqrt(np.mean(np.square(along))):.3f} m, "
           f"{np.degrees(np.sqrt(np.mean(np.square(turn)))):.2f} degrees RMS; at the end by "
           f"{np.round(relative(compose(start, odometry[-1]), track_[-1]), 3)}")
-    stamps = {round(s.stamp_s * 1e6): p for s, p in zip(key_scans, poses)}
-    same = [(p, stamps[round(s.stamp_s * 1e6)]) for s, p in zip(scans, track_) if round(s.stamp_s * 1e6) in stamps]
+    stamps = {round(s.stamp_s * 1e6): p for s, p in zip(key_scans, poses, strict=True)}
+    same = [(p, stamps[round(s.stamp_s * 1e6)]) for s, p in zip(scans, track_, strict=True)
+            if round(s.stamp_s * 1e6) in stamps]
     if same:
         off = [np.linalg.norm(a[:2] - b[:2]) for a, b in same]
         print(f"{name}: {len(same)} scans are key frames of the map; there the track differs from the map's own pose by "
@@ -365,21 +349,17 @@ def export(name, simplemap, rawlog, title, out, pictures):
     write_log(out / "logs" / f"{name}.log.gz", scans, odometry)
     write_tum(out / "logs" / f"{name}.tum", scans, track_, "Reference: scans aligned to the map, not a survey")
     print(f"{name}: {cells.shape[1]} x {cells.shape[0]} cells, origin {origin}")
-    if pictures:
-        draw(pathlib.Path(pictures) / f"{name}.png", cells, origin, scans, track_, odometry)
 
 
 def main():
-    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
-    parser.add_argument("--out", type=pathlib.Path, default=pathlib.Path("maps"))
-    parser.add_argument("--pictures", help="a folder: draws the scans over the map there")
-    arguments = parser.parse_args()
-    (arguments.out / "logs").mkdir(parents=True, exist_ok=True)
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("--out", type=pathlib.Path, default=ROOT / "maps", help="folder for maps, with logs/ in it (maps)")
+    out = parser.parse_args().out
+    (out / "logs").mkdir(parents=True, exist_ok=True)
     export("malaga_corridor", "localization_demo.simplemap.gz", "localization_demo.rawlog",
-           "Corridor in Malaga, 19 January 2006", arguments.out, arguments.pictures)
-    export("malaga_faculty", "malaga-cs-fac-building.simplemap.gz",
-           "2006-01ENE-21-SENA_Telecom Faculty_one_loop_only.rawlog",
-           "Telecom Faculty in Malaga, 21 January 2006", arguments.out, arguments.pictures)
+           "Corridor in Malaga, 19 January 2006", out)
+    export("malaga_faculty", "malaga-cs-fac-building.simplemap.gz", "2006-01ENE-21-SENA_Telecom Faculty_one_loop_only.rawlog",
+           "Telecom Faculty in Malaga, 21 January 2006", out)
 
 
 if __name__ == "__main__":

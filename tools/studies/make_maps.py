@@ -41,7 +41,7 @@ class Floor:
         high = min(self.height - 1, math.ceil(max(y for _, y in points)))
         for row in range(low, high + 1):
             centre, crossings = row + 0.5, []
-            for (ax, ay), (bx, by) in zip(points, points[1:] + points[:1]):
+            for (ax, ay), (bx, by) in zip(points, points[1:] + points[:1], strict=True):
                 if (ay <= centre) != (by <= centre):
                     crossings.append(ax + (centre - ay) / (by - ay) * (bx - ax))
             if crossings:
@@ -145,7 +145,7 @@ DOOR_M = 0.96
 def wall_with_doors(floor, fixed, start, end, doors, vertical, thickness=THIN):
     """An axis-parallel wall at x (vertical) or y = `fixed`, with door openings centred at `doors`."""
     edges = [start] + [e for d in sorted(doors) for e in (d - DOOR_M / 2, d + DOOR_M / 2)] + [end]
-    for a, b in zip(edges[::2], edges[1::2]):
+    for a, b in zip(edges[::2], edges[1::2], strict=True):
         if vertical:
             floor.rect(fixed - thickness / 2, a, fixed + thickness / 2, b)
         else:
@@ -186,7 +186,7 @@ def south_rooms(floor):
     lefts, rights = [0.237] + walls, walls + [52.163]
     doors = [left + 1.17 for left in lefts[:5]] + [26.437, 29.118, 32.663, 37.482, 41.538, 45.263, 50.417]
     wall_with_doors(floor, 7.334, 0.2, 52.2, doors, vertical=False)
-    for left, right in list(zip(lefts, rights))[:5]:
+    for left, right in list(zip(lefts, rights, strict=True))[:5]:
         desk(floor, right - 1.347, 1.263, 180.0)
         desk(floor, right - 1.347, 4.462)
         floor.box(left + 0.33, 3.217, 0.44, 1.68)

@@ -1,4 +1,4 @@
-"""How every study measures: the program that it runs, several runs at a time, what is written of them, and its command line."""
+"""How every study measures: the programs that it runs, several runs at a time, and its command line. Needs Python 3.10."""
 
 import argparse
 import concurrent.futures
@@ -133,9 +133,15 @@ COMMON = (path("--out", OUT, "folder for the results (docs/results)"),
           path("--parloc", ROOT / "build/cpu/parloc", "the program (build/cpu/parloc)", "FILE"))
 
 
+ENDS = """Exit code: 0 all is well and every bar kept, 1 a bar missed, 2 wrong usage or a missing or broken file, 3 a run of a
+program failed, 130 interrupted: what is finished is kept, where a page can be made of it as NAME.partial.*, beside an earlier
+page."""
+
+
 def parse(description, commands, arguments=None):
-    parser = argparse.ArgumentParser(description=description, formatter_class=argparse.RawDescriptionHelpFormatter)
-    choices = parser.add_subparsers(required=True, metavar="|".join(run.__name__ for run in commands)) if len(commands) > 1 else None
+    parser = argparse.ArgumentParser(description=description, epilog=ENDS, formatter_class=argparse.RawDescriptionHelpFormatter)
+    names = "|".join(run.__name__ for run in commands)
+    choices = parser.add_subparsers(required=True, metavar=names) if len(commands) > 1 else None
     for run, options in commands.items():
         command = choices.add_parser(run.__name__, help=run.__doc__, description=run.__doc__) if choices else parser
         command.set_defaults(run=run)

@@ -105,7 +105,8 @@ def observation(scan, stamp_s, misses_count, range_max_m):
     yaw = heading + scan.angle_min_rad + aperture / 2  # MRPT's scans lie evenly about the sensor's x axis
     pose = mrpt_object("CPose3D", 2, struct.pack("<7d", x, y, 0, math.cos(yaw / 2), 0, 0, math.sin(yaw / 2)))
     missed = [not r < scan.range_max_m and not math.isnan(r) for r in scan.ranges_m]
-    ranges_m = [scan.range_max_m if miss else r if math.isfinite(r) else 0.0 for r, miss in zip(scan.ranges_m, missed, strict=True)]
+    ranges_m = [scan.range_max_m if miss else r if math.isfinite(r) else 0.0
+                for r, miss in zip(scan.ranges_m, missed, strict=True)]
     valid = bytes(misses_count if miss else r >= SHORTEST_M for r, miss in zip(ranges_m, missed, strict=True))
     label = b"laser"
     return mrpt_object(

@@ -94,6 +94,11 @@ def table_of(items, columns):
     return table(columns, ([text_of(item) for text_of in columns.values()] for item in items))
 
 
+def table_of_groups(names, groups, columns):
+    """A row per group of runs: its names, a column each, then columns {title: text of the runs}. groups {names: runs}."""
+    return table([*names, *columns], ([*key, *(text_of(runs) for text_of in columns.values())] for key, runs in groups.items()))
+
+
 def bars_table(bars):
     """Of [(what, figures, holds)]."""
     return table(("bar", "measured", ""), [(what, figures, "kept" if holds else "**missed**") for what, figures, holds in bars])
@@ -112,6 +117,20 @@ def mean(runs, key):
     return statistics.fmean(run[key] for run in runs)
 
 
+def average(key, decimals, factor=1, unit=""):
+    """The column of a mean over runs."""
+    return lambda runs: f"{factor * mean(runs, key):.{decimals}f}{unit}"
+
+
+def worst(key, decimals, factor=1, unit=""):
+    """The column of the largest among runs."""
+    return lambda runs: f"{factor * max(run[key] for run in runs):.{decimals}f}{unit}"
+
+
+def share_of(runs, holds):
+    return f"{sum(map(bool, map(holds, runs)))} of {len(runs)}"
+
+
 def within(values, bars):
     return all(values[key] <= bar for key, bar in bars.items())
 
@@ -127,7 +146,8 @@ def first_lines(title, record):
     if not judged:
         return text
     which = "runs" if len(judged) == len(record["runs"]) else "runs on logs that have bars"
-    return text + (f"\nAll {good}" if good == len(judged) else f"\n**{good} of {len(judged)}**") + f" {which} are within all bars.\n"
+    share = f"All {good}" if good == len(judged) else f"**{good} of {len(judged)}**"
+    return f"{text}\n{share} {which} are within all bars.\n"
 
 
 # ---- Files -------------------------------------------------------------------------------------------------------------
@@ -151,16 +171,22 @@ def write_results(folder, name, record, text):
         print(path, file=sys.stderr)
 
 
-def finish(folder, name, facts, planned, results, end, page):
-    """Writes what there is, and gives the exit code."""
+def study(bench, name, tasks, text_of, page, refine=None, holds=None, **facts):
+    """Measures, writes what there is, and gives the exit code. refine(results) may add to them before, and holds(record) says
+    whether bars are kept that are not those of a single run."""
+    facts = circumstances(bench.program) | facts  # before a break, after which nothing is run any more
+    results, end = bench.measure(tasks, text_of)
+    if refine:
+        refine(results)
     runs = list(results.values())
     if not runs:
         raise end
     backends, configs = {run.pop("backend") for run in runs}, [run.pop("config") for run in runs]
-    record = {"partial": end is not None, "ended_by": str(end) if end else None, "runs_planned": planned,
+    record = {"partial": end is not None, "ended_by": str(end) if end else None, "runs_planned": len(tasks),
               **facts, "backend": ", ".join(sorted(backends)),
               "config": {key: value for key, value in configs[0].items() if key != "seed"}, "runs": runs}
-    write_results(folder, name, record, page(record))
+    write_results(bench.args.out, name, record, page(record))
     if end:
         raise end
-    return 0 if all(run.get("within_bars", True) for run in runs) else 1
+    kept = all(run.get("within_bars", True) for run in runs) and (holds is None or holds(record))
+    return 0 if kept else 1

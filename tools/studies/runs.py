@@ -55,7 +55,8 @@ def localize(bench, name, seed, arguments, config=None):
         path.write_text(config)
         arguments = [*arguments, "--config", path]
     try:
-        metrics = json.loads(bench.program("run", *arguments, "--seed", seed, "--threads", 1, "--json", "--quiet", "--out", out))
+        metrics = json.loads(bench.program("run", *arguments, "--seed", seed, "--threads", 1, "--json", "--quiet", "--out",
+                                           out))
         trajectory = read_tum(out / "trajectory.tum")
     finally:
         shutil.rmtree(out, ignore_errors=True)

@@ -1,12 +1,9 @@
 #!/usr/bin/env python3
-"""Measures the sensor models of `parloc run` on simulated logs and writes a page (Markdown) with all values beside it
-(JSON).
+"""Measures the sensor models of `parloc run` on simulated logs and writes a page (Markdown) with all values beside it (JSON).
 
-    tools/studies/sensor_models.py nees      whether each model's covariance says how far off the filter is, and how the number of
-                                     effective beams was chosen
+    tools/studies/sensor_models.py nees      whether each model's covariance says how far off the filter is, and how the
+                                             number of effective beams was chosen
     tools/studies/sensor_models.py clutter   tracking among people and boxes that are not on the map
-
-Needs Python 3.10 and a built program, nothing else; runs are deterministic. Exit codes as those of tools/studies/accuracy.py.
 """
 
 import statistics
@@ -15,7 +12,7 @@ from functools import partial
 
 import measuring
 from measuring import JOBS, count
-from pages import circumstances, circumstances_text, finish, first_lines, mean, table, table_of, where
+from pages import average, circumstances_text, first_lines, mean, share_of, study, table, table_of_groups, where, worst
 from runs import FILTER_ALONE, common_values, files_of, localize, simulate, yaml_text
 
 SCENES = {"office": ("configs/office_scenario.yaml", "maps/office.yaml"),
@@ -37,7 +34,8 @@ def simulated(bench, scene, seed):
 
 
 def model_run(bench, scene, seed, label, settings):
-    metrics, _, _ = localize(bench, f"{scene}_{seed}_{label}", seed, files_of(SCENES[scene][1], bench.folder / f"{scene}_{seed}"),
+    log = f"{scene}_{seed}"
+    metrics, _, _ = localize(bench, f"{log}_{label}", seed, files_of(SCENES[scene][1], bench.folder / log),
                              yaml_text({"sensor": settings, **FILTER_ALONE}))
     nees = metrics["nees"]
     return {"scene": scene, "seed": seed, "model": label, "settings": settings,
@@ -93,21 +91,20 @@ def nees_table(runs, seeds):
     low, high = bounds_of(seeds)
     keys = sorted({(r["scene"], r["model"], r["effective_beams"]) for r in runs},
                   key=lambda k: (-ord(k[0][0]), MODELS.index(k[1]), k[2]))
-    groups = [where(runs, scene=scene, model=model, effective_beams=beams) for scene, model, beams in keys]
+    groups = {(scene, model, f"{beams:g}"): where(runs, scene=scene, model=model, effective_beams=beams)
+              for scene, model, beams in keys}
 
     def verdict(group):
         value = mean(group, "nees_mean")
         return "yes" if low <= value <= high else "careful" if value < low else "over-confident"
 
-    return table_of(groups, {
-        "scene": lambda group: group[0]["scene"], "model": lambda group: group[0]["model"],
-        "effective beams": lambda group: f"{group[0]['effective_beams']:g}",
+    return table_of_groups(("scene", "model", "effective beams"), groups, {
         "mean NEES": lambda group: number(mean(group, "nees_mean")),
         "median (2.37 is right)": lambda group: number(mean(group, "nees_median")),
-        "below 7.81 (95 % is right)": lambda group: f"{100 * mean(group, 'nees_within_95'):.0f} %",
+        "below 7.81 (95 % is right)": average("nees_within_95", 0, 100, " %"),
         "x / y / heading alone": lambda group: " / ".join(
             number(mean(group, key)) for key in ("nees_x", "nees_y", "nees_heading")),
-        "RMSE": lambda group: f"{100 * mean(group, 'rmse_m'):.1f} cm", "mean within the bounds": verdict})
+        "RMSE": average("rmse_m", 1, 100, " cm"), "mean within the bounds": verdict})
 
 
 def swept_run(bench, scene, seed, model, beams):
@@ -126,9 +123,6 @@ def nees(bench):
                       for model in MODELS}
         tasks |= {(scene, model, beams, seed): partial(swept_run, bench, scene, seed, model, beams)
                   for seed in range(1, sweep_seeds + 1) for model, numbers in SWEEP.items() for beams in numbers}
-    facts = circumstances(bench.program)  # before a break, after which nothing is run any more
-    results, end = bench.measure(tasks, lambda key, run: (
-        f"{key}: NEES {number(run['nees_mean'])}, RMSE {100 * run['rmse_m']:.1f} cm"))
 
     def page(record):
         low, high = bounds_of(seeds)
@@ -137,7 +131,8 @@ def nees(bench):
             seeds=seeds, sweep_seeds=sweep_seeds, low=low, high=high, defaults=nees_table(own, seeds),
             sweep=nees_table(swept, seeds)) + "\n" + circumstances_text(record)
 
-    return finish(bench.args.out, "nees", facts, len(tasks), results, end, page)
+    return study(bench, "nees", tasks, lambda key, run: (
+        f"{key}: NEES {number(run['nees_mean'])}, RMSE {100 * run['rmse_m']:.1f} cm"), page)
 
 
 # ---- clutter -------------------------------------------------------------------------------------------------------------
@@ -170,30 +165,18 @@ RMSE of the position among people, and in brackets without them [cm]:
 """  # noqa: E501
 
 
-def times_clean(results):
-    """Writes into the runs among people how their errors compare with those of the clean ones."""
-    for (model, scene, seed), run in results.items():
-        clean = results.get((model, "office", seed))
-        if scene == "clutter" and clean:
-            run["times_clean"] = run["rmse_m"] / clean["rmse_m"]
-            if model == MUST_TRACK:
-                run["within_bars"] = run["times_clean"] < CLUTTER_BAR
-
-
 def clutter_summary(runs):
-    groups = [[r for r in where(runs, model=model) if "times_clean" in r] for model in CLUTTER_MODELS]
+    groups = {(model,): [r for r in where(runs, model=model) if "times_clean" in r] for model in CLUTTER_MODELS}
 
     def cleans(group):
         return [where(runs, model=r["model"], scene="office", seed=r["seed"])[0] for r in group]
 
-    return table_of(filter(None, groups), {
-        "model": lambda group: group[0]["model"],
-        "tracked": lambda group: f"{sum(r['times_clean'] < CLUTTER_BAR for r in group)} of {len(group)}",
-        "mean RMSE, clean": lambda group: f"{100 * mean(cleans(group), 'rmse_m'):.1f} cm",
+    return table_of_groups(("model",), {model: group for model, group in groups.items() if group}, {
+        "tracked": lambda group: share_of(group, lambda r: r["times_clean"] < CLUTTER_BAR),
+        "mean RMSE, clean": lambda group: average("rmse_m", 1, 100, " cm")(cleans(group)),
         "median RMSE": lambda group: f"{100 * statistics.median_high(r['rmse_m'] for r in group):.1f} cm",
-        "worst RMSE": lambda group: f"{100 * max(r['rmse_m'] for r in group):.1f} cm",
-        "largest error": lambda group: f"{max(r['max_m'] for r in group):.2f} m",
-        "worst, times clean": lambda group: f"{max(r['times_clean'] for r in group):.2f}"})
+        "worst RMSE": worst("rmse_m", 1, 100, " cm"), "largest error": worst("max_m", 2, 1, " m"),
+        "worst, times clean": worst("times_clean", 2)})
 
 
 def clutter_seeds(runs, shares):
@@ -213,12 +196,15 @@ def clutter(bench):
         shares[seed] = simulated(bench, "clutter", seed)
     tasks = {(model, scene, seed): partial(model_run, bench, scene, seed, model, settings_of(model))
              for model in CLUTTER_MODELS for seed in shares for scene in ("office", "clutter")}
-    facts = circumstances(bench.program)  # before a break, after which nothing is run any more
-    results, end = bench.measure(tasks, lambda key, run: (
-        f"{key[0]}, {key[1]}, seed {key[2]}: RMSE {100 * run['rmse_m']:.1f} cm, maximum {run['max_m']:.2f} m"))
-    for (_, scene, seed), run in results.items():
-        run["clutter_share_percent"] = shares[seed] if scene == "clutter" else 0.0
-    times_clean(results)
+
+    def compare_with_clean(results):
+        for (model, scene, seed), run in results.items():
+            run["clutter_share_percent"] = shares[seed] if scene == "clutter" else 0.0
+            clean = results.get((model, "office", seed))
+            if scene == "clutter" and clean:
+                run["times_clean"] = run["rmse_m"] / clean["rmse_m"]
+                if model == MUST_TRACK:
+                    run["within_bars"] = run["times_clean"] < CLUTTER_BAR
 
     def page(record):
         return first_lines("Among people and boxes that are not on the map", record) + CLUTTER_TEXT.format(
@@ -226,7 +212,9 @@ def clutter(bench):
             share_low=min(shares.values()), share_high=max(shares.values()), summary=clutter_summary(record["runs"]),
             every=clutter_seeds(record["runs"], shares)) + "\n" + circumstances_text(record)
 
-    return finish(bench.args.out, "clutter", facts, len(tasks), results, end, page)
+    return study(bench, "clutter", tasks, lambda key, run: (
+        f"{key[0]}, {key[1]}, seed {key[2]}: RMSE {100 * run['rmse_m']:.1f} cm, maximum {run['max_m']:.2f} m"), page,
+        compare_with_clean)
 
 
 if __name__ == "__main__":

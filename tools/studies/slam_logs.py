@@ -1,13 +1,9 @@
 #!/usr/bin/env python3
 """Maps the recorded logs with `parloc slam` and writes a page (Markdown) with all values beside it (JSON).
 
-    tools/studies/slam_logs.py [--parts P ...] [--logs L ...] [--seeds N] [--name PAGE] [--jobs K] [--out DIR] [--parloc FILE]
-
-Every log that has relations, by parts: what the bars ask for; few particles; no odometry; and of particles alone, without loops that
-are closed afterwards: the proposals, resampling only when it is needed or at every scan, few with a wide search, many. The relation error is that of Kuemmerle et al. 2009. Needs
-Python 3.10, a built program and the folder of the logs (PARLOC_DATA, else ../shared/data).
-
-Exit code: 0 all bars kept, 1 a bar missed, 2 wrong usage or a missing file, 3 a run of parloc failed, 130 interrupted.
+Every log that has relations, by parts: what the bars ask for; few particles; no odometry; and of particles alone, without
+loops that are closed afterwards: the proposals, resampling only when it is needed or at every scan, few with a wide search,
+many. The relation error is that of Kuemmerle et al. 2009. PARLOC_DATA names the folder of the logs, else ../shared/data.
 """
 
 import json
@@ -18,7 +14,7 @@ from functools import partial
 
 import measuring
 from measuring import DATA, JOBS, Failure, count, option, subset
-from pages import bars_table, circumstances, circumstances_text, finish, mean, table, table_of, where
+from pages import bars_table, circumstances_text, mean, study, table, table_of_groups, where
 from runs import yaml_text
 
 # Kuemmerle et al. 2009, translation [m]: scan matching, RBPF with 50 particles, graph mapping; a secondary tabulation.
@@ -111,15 +107,15 @@ def judged(record):
 
 def mean_text(key, digits):
     """The column of a value: its mean and, of several runs, from the least to the most."""
-    def text(group):
-        values = [run[key] for run in group[2]]
+    def text(runs):
+        values = [run[key] for run in runs]
         spread = f" ({min(values):.{digits}f} to {max(values):.{digits}f})" if len(values) > 1 else ""
-        return f"{mean(group[2], key):.{digits}f}{spread}"
+        return f"{mean(runs, key):.{digits}f}{spread}"
     return text
 
 
 COLUMNS = {
-    "log": lambda group: group[0], "": lambda group: group[1], "seeds": lambda group: str(len(group[2])),
+    "seeds": lambda runs: str(len(runs)),
     "translation [m]": mean_text("translation_mean_m", 4), "rotation [deg]": mean_text("rotation_mean_deg", 2),
     "resampled": mean_text("resampled", 0), "N_eff": mean_text("n_eff_mean", 1),
     "ancestors half way": mean_text("ancestors_half", 1), "one way": mean_text("single_ancestor", 0),
@@ -130,10 +126,9 @@ COLUMNS = {
 
 def part_table(record, part):
     _, most, variations = PARTS[part]
-    groups = [(log, name, variation(record["runs"], log, settings, most or record["seeds"]))
-              for log in PUBLISHED for name, settings in variations.items()]
-    groups = [group for group in groups if group[2]]
-    return table_of(groups, COLUMNS) if groups else "Not measured."
+    groups = {(log, name): some for log in PUBLISHED for name, settings in variations.items()
+              if (some := variation(record["runs"], log, settings, most or record["seeds"]))}
+    return table_of_groups(("log", ""), groups, COLUMNS) if groups else "Not measured."
 
 
 RELATIONS_TEXT = """
@@ -167,11 +162,8 @@ def run(bench):
              for seed in range(1, (PARTS[part][1] or args.seeds) + 1)}
     if args.jobs > 1:
         print("slam_logs.py: with several runs at a time none has its own time", file=sys.stderr)
-    # Before a break, after which nothing is run any more.
-    facts = circumstances(bench.program) | {"parts": args.parts, "seeds": args.seeds}
-    results, end = bench.measure(tasks, text_of)
-    code = finish(args.out, args.name, facts, len(tasks), results, end, page)
-    return code or (0 if all(holds for _, _, holds in judged({**facts, "runs": list(results.values())})) else 1)
+    return study(bench, args.name, tasks, text_of, page, holds=lambda record: all(kept for _, _, kept in judged(record)),
+                 parts=args.parts, seeds=args.seeds)
 
 
 if __name__ == "__main__":

@@ -2,11 +2,8 @@
 """Runs `parloc evaluate` on every scene of docs/results/evaluate.md: its values (JSON), and the rows of its table on
 standard output.
 
-    tools/studies/trials.py [--share S] [--only ROW ...] [--jobs K] [--out DIR] [--samples DIR] [--parloc FILE] [--data DIR]
-
---share 0.1 runs a tenth of the trials. Real logs are left out, with a line that says so, where they are not found. Needs
-Python 3.10 and a built program. Exit code: 0 every bar kept, 1 one missed, 2 wrong usage or a missing file, 3 a run of
-parloc failed, 130 interrupted: rows that are finished are written in any case.
+--share 0.1 runs a tenth of the trials. Real logs are left out, with a line that says so, where they are not found. Rows that
+are finished are written in any case.
 """
 
 import argparse
