@@ -16,6 +16,7 @@ import logs
 import mrpt_files as mrpt
 import mrpt_objects
 import mrpt_setup
+import runs
 from measuring import Failure
 
 DATASETS = pathlib.Path("/usr/share/mrpt/datasets")
@@ -230,7 +231,7 @@ class Comparison(unittest.TestCase):
         self.assertAlmostEqual(shares["z_hit"] / shares["z_max"], 0.9 / 0.01, 9)
 
     def test_scenario_has_the_beams(self):
-        text = mrpt_setup.scenario_with(200)
+        text = runs.scenario_with(mrpt_setup.PAPER_SCENARIO, mrpt_setup.lidar_of(200))
         self.assertRegex(text, r"(?m)^  beams: 200\b")
         step = float(text.split("angle_step_deg:")[1].split()[0])
         self.assertAlmostEqual(step * 199, 270, 6)

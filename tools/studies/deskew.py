@@ -27,14 +27,6 @@ SCENES = {
 }
 
 
-def scenario_text(path, scan_time_s, stamp_at):
-    """The shipped scenario with other times, its files named from the root of the file system."""
-    text = (ROOT / path).read_text()
-    text = re.sub(r"^  (scan_time|stamp_at):.*\n", "", text, flags=re.MULTILINE)
-    text = re.sub(r"^lidar:\n", f"lidar:\n  scan_time: {scan_time_s}\n  stamp_at: {stamp_at}\n", text, flags=re.MULTILINE)
-    return text.replace("../maps/", f"{ROOT}/maps/")
-
-
 def config_text(path, scan_time_s, stamp_at):
     text = (ROOT / path).read_text() if path else ""
     text = re.sub(r"^lidars:\n(?:[ #].*\n|\n)*", "", text, flags=re.MULTILINE)
@@ -56,9 +48,8 @@ def one_seed(bench, scene, seed):
     """{instant, ignored and deskewed by stamp} of one drive."""
     def errors(name, scan_time_s, stamp_at, told):
         """By what the filter is told of the scan time: {name: seconds}."""
-        path = bench.folder / f"{scene}_{seed}_{name}.scenario.yaml"
-        path.write_text(scenario_text(SCENES[scene][0], scan_time_s, stamp_at))
-        log, _ = simulate(bench, path, seed, f"{scene}_{seed}_{name}")
+        log, _ = simulate(bench, SCENES[scene][0], seed, f"{scene}_{seed}_{name}",
+                          {"scan_time": scan_time_s, "stamp_at": stamp_at})
         return {kind: errors_of(bench, f"{log.name}_{kind}_run", scene, seed, log, told_s, stamp_at)
                 for kind, told_s in told.items()}
 

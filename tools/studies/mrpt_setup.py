@@ -1,7 +1,6 @@
 """What compare_mrpt.py compares: the same models, log and start, in the words of parloc and of MRPT."""
 
 import math
-import re
 from dataclasses import dataclass
 
 import mrpt_files as mrpt
@@ -86,26 +85,16 @@ def mrpt_likelihood(row, range_max_m):
 # ---- The log -----------------------------------------------------------------------------------------------------------
 
 
-def scenario_with(beams):
-    """The paper's scenario with exactly so many beams over the same angle, and file names that hold from anywhere."""
-    text = (ROOT / PAPER_SCENARIO).read_text()
-    home = (ROOT / PAPER_SCENARIO).parent
-    step_deg = 270 / (beams - 1)
-    for pattern, new in ((r"(^ *beams:) *\d+", rf"\1 {beams}"), (r"(^ *angle_step_deg:) *[\d.]+", rf"\1 {step_deg:.12g}"),
-                         (r"(^(?:map|localization_map|path):) *(\S+)", rf"\1 {home}/\2")):
-        text, count = re.subn(pattern, new, text, flags=re.MULTILINE)
-        if count == 0:
-            raise Failure(2, f"{home / PAPER_SCENARIO}: expected a line like {pattern}")
-    return text
+def lidar_of(beams):
+    """Exactly so many beams over the same angle as the paper's scenario has."""
+    return {"beams": beams, "angle_step_deg": f"{270 / (beams - 1):.12g}"}
 
 
 def take_log(bench):
     """Files of the map, the log, and the truth."""
     if bench.args.log:
         return bench.args.map, bench.args.log, bench.args.truth
-    scenario = bench.folder / "scenario.yaml"
-    scenario.write_text(scenario_with(bench.args.beams))
-    drive, _ = simulate(bench, scenario, None, "simulated")
+    drive, _ = simulate(bench, PAPER_SCENARIO, None, "simulated", lidar_of(bench.args.beams))
     return ROOT / PAPER_MAP, drive / "scans.log", drive / "truth.tum"
 
 

@@ -2,10 +2,11 @@
 
 import json
 import math
+import re
 import shutil
 
 from logs import Truth, read_tum
-from measuring import Failure
+from measuring import ROOT, Failure
 from poses import wrap
 
 FILTER_ALONE = {"localize": {"health": False}}  # of a configuration: no search helps the filter
@@ -22,10 +23,23 @@ def yaml_text(settings, indent=""):
     return text
 
 
-def simulate(bench, scenario, seed, name):
-    """The folder NAME with a log and its truth, and the program's words. Without a seed, that of the scenario."""
+def scenario_with(path, lidar):
+    """The text of a shipped scenario with these settings of its LiDAR, and file names that hold from anywhere."""
+    text, home = (ROOT / path).read_text(), (ROOT / path).parent
+    text = re.sub(rf"^  ({'|'.join(lidar)}):.*\n", "", text, flags=re.MULTILINE)
+    text = re.sub(r"^lidar:.*\n", lambda line: line[0] + yaml_text(lidar, "  "), text, flags=re.MULTILINE)
+    return re.sub(r"^(map|localization_map|path): *(?=\.\./)", rf"\1: {home}/", text, flags=re.MULTILINE)
+
+
+def simulate(bench, scenario, seed, name, lidar=None):
+    """The folder NAME with a log and its truth, and the program's words. Without a seed, that of the scenario; `lidar` are
+    settings in place of its own."""
     out = bench.folder / name
     seeded = [] if seed is None else ["--seed", seed]
+    if lidar:
+        changed = out.with_name(f"{name}.scenario.yaml")
+        changed.write_text(scenario_with(scenario, lidar))
+        scenario = changed
     return out, bench.program("simulate", "--scenario", scenario, *seeded, "--out", out)
 
 
