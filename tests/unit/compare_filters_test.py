@@ -25,9 +25,12 @@ def row(name, position, heading, lost=0, particles=0):
             "lost_s": pair(92.0 if lost else None)}
 
 
-PUBLISHED = {"rows": [{"name": "EKF", "filter": "ekf", "particles": 0, "position_rmse_m": 0.05, "heading_rmse_rad": 0.02, "step_ms": 6.2},
-                      {"name": "EDH, 100", "filter": "edh", "particles": 100, "position_rmse_m": 0.04, "heading_rmse_rad": 0.02,
-                       "step_ms": None}]}
+def published(name, kind, particles, position, heading, step_ms):
+    return {"name": name, "filter": kind, "particles": particles, "position_rmse_m": position, "heading_rmse_rad": heading,
+            "step_ms": step_ms}
+
+
+PUBLISHED = {"rows": [published("EKF", "ekf", 0, 0.05, 0.02, 6.2), published("EDH, 100", "edh", 100, 0.04, 0.02, None)]}
 
 
 def result(*rows, unmapped=None):
@@ -83,7 +86,8 @@ class Page(unittest.TestCase):
         self.assertIn("seeds 21 to 40", text)
 
     def test_lost_runs_are_counted_and_in_no_mean(self):
-        text = compare_filters.followup_text(result(row("ekf", None, None, lost=20), row("edh@100", 0.02, 0.01, lost=3, particles=100)))
+        text = compare_filters.followup_text(result(row("ekf", None, None, lost=20),
+                                                    row("edh@100", 0.02, 0.01, lost=3, particles=100)))
         self.assertIn("| ekf | 20 of 20, after 92 s | 1.5 % | - | - | - |", text)
         self.assertIn("| edh@100 | 3 of 20, after 92 s | 1.5 % | 0.0200 +- 0.0010 |", text)
         self.assertIn("| EKF | 0.0500 | 0.0200 | 6.20 |", text)

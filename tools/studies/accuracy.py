@@ -4,22 +4,17 @@
     tools/studies/accuracy.py paper     the experiment of Paz et al. 2012: 15 configurations, simulated logs
     tools/studies/accuracy.py logs      real logs with a known start
 
-Needs Python 3.10 and a built program, nothing else. Every run has one thread and is deterministic, so the errors are
-the same for any --jobs and on any machine. An interrupted measurement (Ctrl-C) writes what it has as NAME.partial.*
-and leaves the page of an earlier one alone.
-
-Exit code: 0 all bars kept, 1 a bar missed, 2 wrong usage or a missing file, 3 a run of parloc failed, 130 interrupted.
+Every run has one thread and is deterministic, so the errors are the same for any --jobs and on any machine.
 """
 
-import argparse
 import math
-import pathlib
 import sys
+from functools import partial
 
-from measuring import OUT  # noqa: F401, for compare_filters.py
-from measuring import (DATA, ROOT, Failure, add_arguments, circumstances, circumstances_text, finish, first_lines, measure,
-                       parse, positive, run_tool, table, within)
-from track_errors import common_values, localize, rms
+import measuring
+from measuring import JOBS, LOGS_FOLDER, ROOT, Failure, count, option
+from pages import average, circumstances_text, first_lines, share_of, study, table, table_of_groups, where, within, worst
+from runs import common_values, files_of, localize, rms, simulate
 
 PARTICLES, BEAMS = (500, 1000, 2000, 3000, 4000), (50, 100, 200)
 PAPER_MAP, PAPER_SCENARIO, PAPER_CONFIG = "maps/hall_obstacles.yaml", "configs/paz2012_scenario.yaml", "configs/paz2012.yaml"
@@ -40,11 +35,9 @@ LOGS = {
 # ---- The paper's experiment --------------------------------------------------------------------------------------------
 
 
-def paper_run(program, work, particles, beams, seed):
-    log = work / f"log_{seed}"
-    metrics, errors, _ = localize(program, work, f"{particles}x{beams}_{seed}", [
-        "--map", PAPER_MAP, "--log", log / "scans.log", "--truth", log / "truth.tum", "--config", PAPER_CONFIG,
-        "--particles", particles, "--beams", beams, "--seed", seed])
+def paper_run(bench, log, particles, beams, seed):
+    metrics, errors, _ = localize(bench, f"{particles}x{beams}_{seed}", seed, [
+        *files_of(PAPER_MAP, log), "--config", PAPER_CONFIG, "--particles", particles, "--beams", beams])
     settled = [e[1] for e in errors if e[0] >= errors[0][0] + SETTLING_S]
     values = {"particles": particles, "beams": beams, "seed": seed, **common_values(metrics), "max_settled_m": max(settled)}
     config = metrics["config"]
@@ -52,17 +45,18 @@ def paper_run(program, work, particles, beams, seed):
     return {**values, "within_bars": within(values, PAPER_BARS), "config": config, "backend": metrics["backend"]}
 
 
-def paper_rows(runs):
+def good_text(runs):
+    return share_of(runs, lambda run: run["within_bars"])
+
+
+def paper_table(runs):
     """One row per configuration, then the worst of all."""
     keys = sorted({(run["particles"], run["beams"]) for run in runs})
-    groups = [(f"{n}", f"{b}", [r for r in runs if (r["particles"], r["beams"]) == (n, b)]) for n, b in keys]
-    rows = []
-    for particles, beams, group in groups + [("**all**", "", runs)]:
-        worst = {key: max(run[key] for run in group) for key in PAPER_BARS}
-        rows.append((particles, beams, f"{100 * sum(run['mean_m'] for run in group) / len(group):.2f}",
-                     f"{100 * worst['mean_m']:.2f}", f"{100 * worst['max_settled_m']:.2f}",
-                     f"{worst['heading_rmse_deg']:.3f}", f"{sum(run['within_bars'] for run in group)} of {len(group)}"))
-    return rows
+    groups = {(f"{n}", f"{b}"): where(runs, particles=n, beams=b) for n, b in keys}
+    return table_of_groups(("particles", "beams"), {**groups, ("**all**", ""): runs}, {
+        "mean of means": average("mean_m", 2, 100), "worst mean": worst("mean_m", 2, 100),
+        f"worst maximum after {SETTLING_S:g} s": worst("max_settled_m", 2, 100),
+        "worst heading RMSE": worst("heading_rmse_deg", 3), "runs within all bars": good_text})
 
 
 PAPER_TEXT = """
@@ -85,34 +79,29 @@ degrees; in every run.
 - The configuration is [{config}](../../{config}); its sensor model is `{model}`, sigma {sigma} m,
   tempering {tempering}. [How it was chosen](README.md#how-the-configuration-of-the-papers-experiment-was-chosen). The JSON file has every value of
   it, and every run with the digest of its particles.
-"""
+"""  # noqa: E501
 
 
 def paper_page(record):
     config = record["config"]
     seeds = len({run["seed"] for run in record["runs"]})
     return first_lines(f"The experiment of Paz et al. 2012: 15 configurations, {seeds} seeds", record) + PAPER_TEXT.format(
-        table=table(("particles", "beams", "mean of means", "worst mean", f"worst maximum after {SETTLING_S:g} s",
-                     "worst heading RMSE", "runs within all bars"), paper_rows(record["runs"])),
-        mean=100 * PAPER_BARS["mean_m"], max=100 * PAPER_BARS["max_settled_m"], heading=PAPER_BARS["heading_rmse_deg"],
-        scenario=PAPER_SCENARIO, map=PAPER_MAP, config=PAPER_CONFIG, spread_m=config["initial_sigma_xy"],
-        spread_rad=config["initial_sigma_theta"], model=config["sensor"]["model"], sigma=config["sensor"]["sigma_hit"],
-        tempering=config["sensor"]["tempering"]) + "\n" + circumstances_text(record)
+        table=paper_table(record["runs"]), mean=100 * PAPER_BARS["mean_m"], max=100 * PAPER_BARS["max_settled_m"],
+        heading=PAPER_BARS["heading_rmse_deg"], scenario=PAPER_SCENARIO, map=PAPER_MAP, config=PAPER_CONFIG,
+        spread_m=config["initial_sigma_xy"], spread_rad=config["initial_sigma_theta"], model=config["sensor"]["model"],
+        sigma=config["sensor"]["sigma_hit"], tempering=config["sensor"]["tempering"]) + "\n" + circumstances_text(record)
 
 
-def paper(args, program, work):
-    record = {"what": "paper", **circumstances(program), "bars": PAPER_BARS}
-    seeds = range(1, args.seeds + 1)
-    for seed in seeds:
-        program("simulate", "--scenario", PAPER_SCENARIO, "--seed", seed, "--out", work / f"log_{seed}", "--quiet")
-        print(f"log {seed} of {args.seeds} simulated", file=sys.stderr, flush=True)
-    keys = [(n, b, seed) for n in PARTICLES for b in BEAMS for seed in seeds]
-    tasks = [(key, lambda key=key: paper_run(program, work, *key)) for key in keys]
-    results, end = measure(program, args.jobs, tasks, lambda key, run: (
+def paper(bench):
+    """the experiment of Paz et al. 2012"""
+    seeds = range(1, bench.args.seeds + 1)
+    logs_of = {seed: simulate(bench, PAPER_SCENARIO, seed, f"log_{seed}")[0] for seed in seeds}
+    tasks = {(n, b, seed): partial(paper_run, bench, logs_of[seed], n, b, seed)
+             for n in PARTICLES for b in BEAMS for seed in seeds}
+    return study(bench, "paz2012_accuracy", tasks, lambda key, run: (
         f"{key[0]} particles x {key[1]} beams, seed {key[2]}: mean {100 * run['mean_m']:.2f} cm, maximum "
         f"{100 * run['max_settled_m']:.2f} cm, heading {run['heading_rmse_deg']:.3f} deg"
-        f"{'' if run['within_bars'] else '  MISSED'}"))
-    return finish(args, "paz2012_accuracy", record, len(tasks), results, end, paper_page)
+        f"{'' if run['within_bars'] else '  MISSED'}"), paper_page, what="paper", bars=PAPER_BARS)
 
 
 # ---- Real logs ---------------------------------------------------------------------------------------------------------
@@ -135,8 +124,8 @@ def log_files(name, data):
     return [part for option in files.items() for part in option]
 
 
-def log_run(program, work, files, name, seed):
-    metrics, errors, truth = localize(program, work, f"{name}_{seed}", [*files, "--seed", seed])
+def log_run(bench, files, name, seed):
+    metrics, errors, truth = localize(bench, f"{name}_{seed}", seed, files)
     values = {"log": name, "seed": seed, **common_values(metrics)}
     if metrics["relations"]:
         values["relation_m"] = metrics["relations"]["translation_mean_m"]
@@ -145,7 +134,7 @@ def log_run(program, work, files, name, seed):
     bars = LOGS[name][2]
     if "heading_rmse_slow_deg" in bars:
         rates = [truth.yaw_rate(e[0]) for e in errors]
-        slow = [e[2] for e, rate in zip(errors, rates) if rate is not None and abs(rate) < SLOW_RAD_S]
+        slow = [e[2] for e, rate in zip(errors, rates, strict=True) if rate is not None and abs(rate) < SLOW_RAD_S]
         values.update(heading_rmse_slow_deg=math.degrees(rms(slow)), slow_scans=len(slow))
     if bars:
         values["within_bars"] = within(values, bars)
@@ -159,11 +148,8 @@ LOG_COLUMNS = (("mean_m", "mean [m]", 4), ("max_m", "maximum [m]", 3), ("rmse_m"
 
 def log_cells(run, bars):
     """Values of a run, each with its bar if it has one."""
-    cells = []
-    for key, _, decimals in LOG_COLUMNS:
-        text = f"{run[key]:.{decimals}f}" if key in run else ""
-        cells.append(f"{text} (<= {bars[key]:g})" if key in bars else text)
-    return cells
+    texts = {key: f"{run[key]:.{decimals}f}" if key in run else "" for key, _, decimals in LOG_COLUMNS}
+    return [f"{text} (<= {bars[key]:g})" if key in bars else text for key, text in texts.items()]
 
 
 def log_tables(runs):
@@ -171,10 +157,9 @@ def log_tables(runs):
     header = [title for _, title, _ in LOG_COLUMNS]
     worst_rows = []
     for name in dict.fromkeys(run["log"] for run in runs):
-        group = [run for run in runs if run["log"] == name]
-        worst = {key: max(run[key] for run in group) for key, _, _ in LOG_COLUMNS if key in group[0]}
-        good = f"{sum(run['within_bars'] for run in group)} of {len(group)}" if LOGS[name][2] else "no bars"
-        worst_rows.append((name, *log_cells(worst, LOGS[name][2]), good))
+        group, bars = where(runs, log=name), LOGS[name][2]
+        worsts = {key: max(run[key] for run in group) for key, _, _ in LOG_COLUMNS if key in group[0]}
+        worst_rows.append((name, *log_cells(worsts, bars), good_text(group) if bars else "no bars"))
     all_rows = [(run["log"], str(run["seed"]), *log_cells(run, {})) for run in runs]
     return (table(("log", *header, "runs within all bars"), worst_rows), table(("log", "seed", *header), all_rows))
 
@@ -207,54 +192,35 @@ The default configuration, unchanged, for every log: sensor model `{model}`, {pa
 - malaga_*: nobody surveyed these drives. The reference is every scan laid on the map, good to 2 to 3 cm and 0.1 degrees within the
   map. **The faculty's map holds the very scans that are localized on it**: an error measured there is flattering. The corridor's
   map is from the day before. [maps/logs/README.md](../../maps/logs/README.md) says more.
-"""
+"""  # noqa: E501
 
 
 def logs_page(record):
     runs, config = record["runs"], record["config"]
-    worst, every = log_tables(runs)
+    worst_of_each, every = log_tables(runs)
     relations = {run["log"]: run["relations"] for run in runs if "relations" in run}
     slow = next((run["slow_scans"] for run in runs if "slow_scans" in run), None)
     return first_lines("Real logs, known start, default configuration", record) + LOG_TEXT.format(
         model=config["sensor"]["model"], particles=config["particles"], beams=config["scan"]["max_beams"],
-        seeds=len({run["seed"] for run in runs}), worst=worst, all=every, slow=SLOW_RAD_S,
+        seeds=len({run["seed"] for run in runs}), worst=worst_of_each, all=every, slow=SLOW_RAD_S,
         relations=" and ".join(f"{count} relations of {log}" for log, count in relations.items()) or "all relations",
         slow_scans=f" ({slow} of the scans)" if slow else "") + "\n" + circumstances_text(record)
 
 
-def logs(args, program, work):
-    names = [name for name, (folder, _, _) in LOGS.items() if folder is None or not args.shipped]
-    files = {name: log_files(name, args.data) for name in names}
-    record = {"what": "logs", **circumstances(program), "bars": {name: LOGS[name][2] for name in names}}
-    keys = [(name, seed) for name in names for seed in range(1, args.seeds + 1)]
-    tasks = [(key, lambda key=key: log_run(program, work, files[key[0]], *key)) for key in keys]
-    results, end = measure(program, args.jobs, tasks, lambda key, run: (
+def logs(bench):
+    """real logs, known start"""
+    names = [name for name, (folder, _, _) in LOGS.items() if folder is None or not bench.args.shipped]
+    files = {name: log_files(name, bench.args.data) for name in names}
+    tasks = {(name, seed): partial(log_run, bench, files[name], name, seed)
+             for name in names for seed in range(1, bench.args.seeds + 1)}
+    return study(bench, "real_logs", tasks, lambda key, run: (
         f"{key[0]}, seed {key[1]}: mean {run['mean_m']:.4f} m, maximum {run['max_m']:.3f} m, heading "
-        f"{run['heading_rmse_deg']:.3f} deg{'' if run.get('within_bars', True) else '  MISSED'}"))
-    return finish(args, "real_logs", record, len(tasks), results, end, logs_page)
-
-
-# ---- Command line ------------------------------------------------------------------------------------------------------
-
-
-def parse_arguments():
-    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    commands = parser.add_subparsers(required=True, metavar="paper|logs")
-    for run, seeds, text in ((paper, 20, "the experiment of Paz et al. 2012"), (logs, 5, "real logs, known start")):
-        command = commands.add_parser(run.__name__, help=text, description=text)
-        command.set_defaults(run=run)
-        command.add_argument("--seeds", type=positive, default=seeds, metavar="N", help=f"seeds 1 to N ({seeds})")
-        add_arguments(command)
-    command.add_argument("--data", type=pathlib.Path, default=DATA, metavar="DIR",
-                         help="folder with intel, aces and tb3_house (PARLOC_DATA, else ../shared/data)")
-    command.add_argument("--shipped", action="store_true", help="only the logs that ship in maps/logs")
-    return parse(parser)
-
-
-def main():
-    args = parse_arguments()
-    return run_tool("accuracy", args, args.run)
+        f"{run['heading_rmse_deg']:.3f} deg{'' if run.get('within_bars', True) else '  MISSED'}"), logs_page,
+        what="logs", bars={name: LOGS[name][2] for name in names})
 
 
 if __name__ == "__main__":
-    sys.exit(main())
+    sys.exit(measuring.study(__doc__, {
+        paper: (count("--seeds", 20, "seeds 1 to N"), JOBS),
+        logs: (count("--seeds", 5, "seeds 1 to N"), JOBS, LOGS_FOLDER,
+               option("--shipped", False, "only the logs that ship in maps/logs", action="store_true"))}))

@@ -1,33 +1,28 @@
 #!/usr/bin/env python3
 """Fits the probability of being right to samples of `parloc evaluate --samples`.
 
-    tools/studies/calibrate_health.py SAMPLES.csv [...] [--min-share S] [--offset A --slope B]
-
 The probability is share / (1 + exp(-(offset + slope * evidence))) (common/localize/health.cpp). Prints offset and slope by
 logistic regression of "is right" on the evidence, over the samples in which one place has nearly all of the weight (the share
 says enough of the others), and over all samples the reliability, Brier score and AUC with the old and the new constants.
-Every other trial is left out of the fit and judged apart, to see whether it holds. Needs Python 3.10, nothing else.
-
-Exit code: 0 all is well, 2 wrong usage or a file that cannot be read, 3 samples that no curve can be fitted to.
+Every other trial is left out of the fit and judged apart, to see whether it holds.
 """
 
-import argparse
+import bisect
 import csv
 import math
-import pathlib
 import re
 import sys
 
-HEALTH = pathlib.Path(__file__).resolve().parents[2] / "common/localize/health.cpp"
+from measuring import ROOT, Failure, option, parse, reported
+from pages import fixed
+
+HEALTH = ROOT / "common/localize/health.cpp"
 NEEDED = ("seed", "right", "evidence", "share")
 
 
-class Failure(Exception):
-    """One line for people, and the exit code."""
-
-    def __init__(self, code, message):
-        super().__init__(message)
-        self.code = code
+def sample_of(path, row):
+    sample = (path, row["seed"]), {"0": 0, "1": 1}[row["right"]], float(row["evidence"]), float(row["share"])
+    return sample if all(map(math.isfinite, sample[2:])) else None
 
 
 def read_samples(paths):
@@ -40,16 +35,11 @@ def read_samples(paths):
                 missing = [name for name in NEEDED if name not in (rows.fieldnames or [])]
                 if missing:
                     raise Failure(2, f"{path}: expected the columns {', '.join(NEEDED)}, found no {missing[0]}")
-                for row in rows:
-                    try:
-                        values = (float(row["evidence"]), float(row["share"]))
-                        right = {"0": 0, "1": 1}[row["right"]]
-                    except (KeyError, TypeError, ValueError):
-                        raise Failure(2, f"{path}:{rows.line_num}: expected numbers, and 0 or 1 for right") from None
-                    if all(map(math.isfinite, values)):
-                        samples.append(((path, row["seed"]), right, *values))
-        except (OSError, UnicodeDecodeError) as e:
-            raise Failure(2, f"{path}: cannot be read ({e})") from None
+                samples += [sample for row in rows if (sample := sample_of(path, row))]
+        except (KeyError, TypeError, ValueError) as error:
+            if isinstance(error, UnicodeDecodeError):
+                raise Failure(2, f"{path}: cannot be read ({error})") from None
+            raise Failure(2, f"{path}:{rows.line_num}: expected numbers, and 0 or 1 for right") from None
     return samples
 
 
@@ -108,60 +98,47 @@ def fit(points):
 
 def auc_of(forecasts):
     """Chance that a right one was given more than a wrong one, ties half; None if all are alike."""
-    ranked = sorted(forecasts)
-    rights = sum(right for _, right in ranked)
-    wrongs = len(ranked) - rights
-    won, below, k = 0.0, 0, 0
-    while k < len(ranked):
-        end, right_here, wrong_here = k, 0, 0
-        while end < len(ranked) and ranked[end][0] == ranked[k][0]:
-            right_here += ranked[end][1]
-            wrong_here += 1 - ranked[end][1]
-            end += 1
-        won += right_here * (below + wrong_here / 2)
-        below += wrong_here
-        k = end
-    return won / (rights * wrongs) if rights and wrongs else None
+    wrongs = sorted(p for p, right in forecasts if not right)
+    rights = [p for p, right in forecasts if right]
+    won = sum(bisect.bisect_left(wrongs, p) + bisect.bisect_right(wrongs, p) for p in rights) / 2
+    return won / (len(rights) * len(wrongs)) if rights and wrongs else None
 
 
 def judge(samples, a, b):
     forecasts = [(share * sigmoid(a + b * evidence), right) for _, right, evidence, share in samples]
-    bins = [[0, 0.0, 0] for _ in range(10)]
+    bins = [[] for _ in range(10)]
     for p, right in forecasts:
-        bin_ = bins[min(int(10 * p), 9)]
-        bin_[0] += 1
-        bin_[1] += p
-        bin_[2] += right
+        bins[min(int(10 * p), 9)].append((p, right))
     return {
         "brier": sum((p - right) ** 2 for p, right in forecasts) / len(forecasts),
         "auc": auc_of(forecasts),
-        "bins": [(n, said / n, right / n) if n else (0, None, None) for n, said, right in bins],
+        "bins": [(len(b), *(sum(column) / len(b) for column in zip(*b, strict=True))) if b else (0, None, None) for b in bins],
     }
 
 
 def print_judgements(title, samples, old, new):
-    before, after = judge(samples, *old), judge(samples, *new)
-    text = lambda value, digits: "-" if value is None else f"{value:.{digits}f}"
+    both = judge(samples, *old), judge(samples, *new)
     print(f"\n{title}: {len(samples)} samples, {sum(s[1] for s in samples)} right")
     print(f"{'':14}{'before':>30}{'after':>30}")
-    print(f"{'Brier':14}{text(before['brier'], 4):>30}{text(after['brier'], 4):>30}")
-    print(f"{'AUC':14}{text(before['auc'], 4):>30}{text(after['auc'], 4):>30}")
+    for name, key in (("Brier", "brier"), ("AUC", "auc")):
+        print(f"{name:14}" + "".join(f"{fixed(judged[key], 4):>30}" for judged in both))
     print(f"{'said':14}" + f"{'samples':>10}{'mean':>10}{'right':>10}" * 2)
-    for k, both in enumerate(zip(before["bins"], after["bins"])):
-        cells = "".join(f"{n:>10}{text(said, 3):>10}{text(right, 3):>10}" for n, said, right in both)
+    for k in range(10):
+        bins = [judged["bins"][k] for judged in both]
+        cells = "".join(f"{n:>10}{fixed(said, 3):>10}{fixed(right, 3):>10}" for n, said, right in bins)
         print(f"{k / 10:.1f} to {(k + 1) / 10:.1f}    {cells}")
 
 
-def calibrate(options):
-    samples = read_samples(options.samples)
-    used = [s for s in samples if s[3] >= options.min_share]
+def calibrate(args):
+    samples = read_samples(args.samples)
+    used = [s for s in samples if s[3] >= args.min_share]
     if not used:
-        raise Failure(3, f"no sample has a share of {options.min_share:g} or more")
-    old = (options.offset, options.slope)
+        raise Failure(3, f"no sample has a share of {args.min_share:g} or more")
+    old = (args.offset, args.slope)
     if None in old:
-        old = tuple(given if given is not None else there for given, there in zip(old, constants_in_use()))
+        old = tuple(there if given is None else given for given, there in zip(old, constants_in_use(), strict=True))
     new = fit([(s[2], s[1]) for s in used])
-    print(f"fitted to {len(used)} of {len(samples)} samples, those with a share of {options.min_share:g} or more")
+    print(f"fitted to {len(used)} of {len(samples)} samples, those with a share of {args.min_share:g} or more")
     print(f"before  kOffset = {old[0]:.3f}, kSlope = {old[1]:.3f}")
     print(f"after   kOffset = {new[0]:.3f}, kSlope = {new[1]:.3f}")
     print_judgements("All", samples, old, new)
@@ -172,25 +149,20 @@ def calibrate(options):
         half = fit([(s[2], s[1]) for s in used if s[0] in kept])
     except Failure as e:
         print(f"\nEvery other trial alone: {e}")
-        return
+        return 0
     print(f"\nFitted to every other trial alone: kOffset = {half[0]:.3f}, kSlope = {half[1]:.3f}")
     others = [s for s in samples if s[0] not in kept]
     if others:
         print_judgements("The trials that were left out", others, old, half)
+    return 0
 
 
 def main(arguments=None):
-    parser = argparse.ArgumentParser(description=__doc__.split("\n")[0])
-    parser.add_argument("samples", nargs="+", metavar="SAMPLES.csv")
-    parser.add_argument("--min-share", type=float, default=0.8, help="fit to samples with at least so much weight in one place (0.8)")
-    parser.add_argument("--offset", type=float, help="the old constants (those of health.cpp)")
-    parser.add_argument("--slope", type=float)
-    try:
-        calibrate(parser.parse_args(arguments))
-    except Failure as e:
-        print(f"calibrate_health: {e}", file=sys.stderr)
-        return e.code
-    return 0
+    return reported(lambda: calibrate(parse(__doc__, {calibrate: (
+        ("samples", {"nargs": "+", "metavar": "SAMPLES.csv"}),
+        option("--min-share", 0.8, "fit to samples with at least so much weight in one place", type=float),
+        option("--offset", None, "the old constant (that of health.cpp)", type=float),
+        option("--slope", None, "likewise", type=float))}, arguments)))
 
 
 if __name__ == "__main__":

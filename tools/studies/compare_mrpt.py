@@ -1,224 +1,57 @@
 #!/usr/bin/env python3
-"""Runs MRPT's pf-localization and `parloc run` by turns on the same log, and writes a page (Markdown) with all values beside it
-(JSON): time of a filter step, and position error.
+"""Runs MRPT's pf-localization and `parloc run` by turns on the same log, and writes a page (Markdown) with all values beside
+it (JSON): time of a filter step, and position error.
 
     sudo apt-get install mrpt-apps
     tools/studies/compare_mrpt.py                                   a simulated log: some minutes
     tools/studies/compare_mrpt.py --map M.yaml --log LOG --truth T.tum
 
-Needs Python 3.10, a built program, and pf-localization of MRPT 2; nothing else here needs MRPT. An interrupted comparison (Ctrl-C)
-writes the rounds that it has as mrpt.partial.* and leaves the page of an earlier one alone.
-
-Exit code: 0 done, 2 wrong usage or a missing or broken file, 3 a run of a program failed, 130 interrupted.
+Needs pf-localization of MRPT 2; nothing else here needs MRPT.
 """
 
-import argparse
 import json
 import math
 import os
-import pathlib
 import re
 import resource
 import shutil
 import statistics
-import subprocess
 import sys
-import tempfile
 import time
-from dataclasses import dataclass
+from functools import partial
 
-import mrpt_files as mrpt
+import measuring
+import mrpt_setup as models
 from accuracy import PAPER_MAP, PAPER_SCENARIO
-from measuring import OUT, ROOT, Failure, circumstances, parse, positive, program_and_folder, reported, table, write_results
-from track_errors import Truth, read_tum
+from logs import read_tum
+from measuring import Failure, Program, count, option, path
+from mrpt_files import MARGIN_CELLS
+from mrpt_setup import ROWS, START_SIGMA_M, START_SIGMA_RAD, left_out_by_mrpt, read_drive, told_range_m, write_inputs
+from pages import CIRCUMSTANCES, circumstances, circumstances_text, table_of, write_results
 
-SIGMA_M = 0.1  # of all models
-START_SIGMA_M, START_SIGMA_RAD = 0.05, 0.03
-ALPHAS = (0.1, 0.05, 0.1, 0.02)  # parloc's motion noise, as configs/paz2012.yaml has it
-MOTION = mrpt.Motion(ALPHAS[2], ALPHAS[3], math.sqrt(2) * ALPHAS[1], ALPHAS[0], 1e-4, 1e-4)
-FIELD_CAP_M, FIELD_HIT, FIELD_RANDOM, FIELD_TEMPERING = 2.0, 0.9, 0.1, 0.1  # parloc's defaults
-MRPT_RAY_STEP_CELLS = 0.8
-MRPT_RAY_HIT, MRPT_RAY_FLOOR_M = 0.9, 0.1  # likelihood 0.9 exp(-d^2 / 2 sigma^2) + 0.1 m / maximum range
 TIMEOUT_S = 900
-
-
-# ---- What is compared --------------------------------------------------------------------------------------------------
-
-
-@dataclass
-class Row:
-    key: str
-    text: str
-    group: str  # compared with MRPT's row of the same group
-    model: str = ""  # parloc's configuration; none for MRPT
-    threads: int = 1
-    simd: str = ""  # limit of the instruction set
-
-
-def parloc_rows(group, model, text):
-    return [Row(f"{model}_1", f"parloc, {text}", group, model),
-            Row(f"{model}_2", f"parloc, {text}", group, model, threads=2),
-            Row(f"{model}_1_baseline", f"parloc, {text}, without AVX", group, model, simd="baseline")]
-
-
-ROWS = [Row("mrpt_ray", "**MRPT, `lmRayTracing`**", "ray"),
-        *parloc_rows("ray", "mixture", "`beam` with MRPT's likelihood"),
-        *parloc_rows("ray", "gaussian", "`gaussian`"),
-        Row("mrpt_field", "**MRPT, `lmLikelihoodField_Thrun`**", "field"),
-        *parloc_rows("field", "field", "`likelihood_field`, same likelihood")]
-
-
-def mixture(range_max_m):
-    """Shares of parloc's beam model with the likelihood of MRPT's ray tracing, up to a factor: density of a hit to density of
-    anything as there, and likewise for a miss."""
-    floor = MRPT_RAY_FLOOR_M / told_range_m(range_max_m)
-    hit, miss = MRPT_RAY_HIT / peak_of_density(), floor / MRPT_RAY_HIT
-    shares = {"z_hit": hit, "z_short": 0.0, "z_max": hit * miss, "z_rand": floor * range_max_m}
-    return {key: value / sum(shares.values()) for key, value in shares.items()}
-
-
-def peak_of_density():
-    return 1 / (SIGMA_M * math.sqrt(2 * math.pi))
-
-
-def told_range_m(range_max_m):
-    """MRPT's rays end after maximum range / cell steps of 0.8 cells: told a longer range, they reach the true one."""
-    return range_max_m / MRPT_RAY_STEP_CELLS
-
-
-def parloc_config(model, range_max_m):
-    sensor = {
-        "mixture": {"model": "beam", "tempering": 1, **mixture(range_max_m)},
-        "gaussian": {"model": "gaussian", "tempering": 1},
-        "field": {"model": "likelihood_field", "z_hit": FIELD_HIT, "z_rand": FIELD_RANDOM, "lookup": "nearest",
-                  "laser_likelihood_max_dist": FIELD_CAP_M, "tempering": FIELD_TEMPERING},
-    }[model]
-    groups = {"motion": {"form": "seed", **{f"alpha{i}": alpha for i, alpha in enumerate(ALPHAS, 1)}},
-              "sensor": {**sensor, "sigma_hit": SIGMA_M}, "resample": {"scheme": "systematic", "threshold": 1.0},
-              "estimate": {"mode": "mean"}}
-    return "".join(f"{group}:\n" + "".join(f"  {key}: {value}\n" for key, value in keys.items())
-                   for group, keys in groups.items())
-
-
-def mrpt_likelihood(row, range_max_m):
-    if row.group == "ray":
-        return mrpt.Likelihood(mrpt.RAY_TRACING, SIGMA_M)
-    return mrpt.Likelihood(mrpt.LIKELIHOOD_FIELD, SIGMA_M, FIELD_HIT * peak_of_density(), FIELD_RANDOM, range_max_m,
-                           FIELD_CAP_M)
-
-
-# ---- The log -----------------------------------------------------------------------------------------------------------
-
-
-def scenario_with(beams):
-    """The paper's scenario with exactly so many beams over the same angle, and file names that hold from anywhere."""
-    text = (ROOT / PAPER_SCENARIO).read_text()
-    home = (ROOT / PAPER_SCENARIO).parent
-    step_deg = 270 / (beams - 1)
-    for pattern, new in ((r"(^ *beams:) *\d+", rf"\1 {beams}"), (r"(^ *angle_step_deg:) *[\d.]+", rf"\1 {step_deg:.12g}"),
-                         (r"(^(?:map|localization_map|path):) *(\S+)", rf"\1 {home}/\2")):
-        text, count = re.subn(pattern, new, text, flags=re.MULTILINE)
-        if count == 0:
-            raise Failure(2, f"{home / PAPER_SCENARIO}: expected a line like {pattern}")
-    return text
-
-
-def take_log(args, program, work):
-    """Files of the map, the log, and the truth."""
-    if args.log:
-        return args.map, args.log, args.truth
-    (work / "scenario.yaml").write_text(scenario_with(args.beams))
-    program("simulate", "--scenario", work / "scenario.yaml", "--out", work / "simulated", "--quiet")
-    return ROOT / PAPER_MAP, work / "simulated/scans.log", work / "simulated/truth.tum"
-
-
-@dataclass
-class Drive:
-    """What both programs get."""
-
-    grid: mrpt.Grid
-    scans: list
-    poses: list  # the true ones: x, y [m], heading [rad]
-
-
-def read_drive(args, program, work):
-    map_file, log, truth_file = take_log(args, program, work)
-    grid = mrpt.with_margin(mrpt.read_map(map_file))
-    scans = [mrpt.thinned(scan, args.beams) for scan in mrpt.read_log(log, args.scans)]
-    try:
-        rows = read_tum(truth_file)
-    except (OSError, UnicodeDecodeError) as error:
-        raise Failure(2, f"{truth_file}: expected the true trajectory: {error}")
-    truth = Truth(rows)
-    poses = [truth.pose(scan.stamp_s) for scan in scans]
-    if None in poses:
-        raise Failure(2, f"{truth_file}: expected a pose at every scan, found none at {scans[poses.index(None)].stamp_s:.6f}")
-    if not scans[0].range_max_m > 0:
-        raise Failure(2, f"{log}: expected a positive maximum range in the first scan, found {scans[0].range_max_m:g}")
-    return Drive(grid, scans, poses)
-
-
-def left_out_by_mrpt(scans, resolution_m):
-    """Share of the hits that MRPT's field leaves out: those closer than half a cell to the one before that counts."""
-    hits = kept = 0
-    for scan in scans:
-        last = None
-        for i, r in enumerate(scan.ranges_m):
-            if not mrpt.SHORTEST_M <= r < scan.range_max_m:
-                continue
-            angle = scan.angle_min_rad + i * scan.angle_step_rad
-            point = r * math.cos(angle), r * math.sin(angle)
-            hits += 1
-            if last is None or math.dist(point, last) >= resolution_m / 2:
-                kept, last = kept + 1, point
-    return 1 - kept / hits if hits else 0.0
-
-
-def write_inputs(drive, particles, work):
-    """One folder with all that the programs read."""
-    range_max_m = drive.scans[0].range_max_m
-    map_yaml, map_image = mrpt.map_server_files(drive.grid, "map.pgm")
-    (work / "map.yaml").write_text(map_yaml)
-    (work / "map.pgm").write_bytes(map_image)
-    (work / "scans.log").write_text("".join(map(mrpt.carmen_text, drive.scans)))
-    (work / "truth.txt").write_text(mrpt.ground_truth(drive.scans, drive.poses))
-    for row in ROWS:
-        if row.model:
-            (work / f"{row.model}.yaml").write_text(parloc_config(row.model, range_max_m))
-            continue
-        likelihood = mrpt_likelihood(row, range_max_m)
-        rays = row.group == "ray"
-        (work / f"{row.key}.gridmap").write_bytes(mrpt.gridmap(drive.grid, likelihood))
-        # A field knows no missing returns, and parloc's leaves them out too.
-        (work / f"{row.key}.rawlog").write_bytes(mrpt.rawlog(drive.scans, MOTION, misses_count=rays,
-                                                             range_max_m=told_range_m(range_max_m)))
-        (work / f"{row.key}.ini").write_text(mrpt.ini(
-            work, row.key, particles, drive.poses[0], START_SIGMA_M, START_SIGMA_RAD, 1 if rays else FIELD_TEMPERING,
-            likelihood, drive.grid.resolution_m))
 
 
 # ---- Running the programs ----------------------------------------------------------------------------------------------
 
 
-def run_program(command, environment=None):
+def children_s():
+    """Of CPU time, by all programs that have ended."""
+    usage = resource.getrusage(resource.RUSAGE_CHILDREN)
+    return usage.ru_utime + usage.ru_stime
+
+
+def run_program(program, *arguments, environment=None):
     """Its output, and how many cores it kept busy on average."""
-    before, begun = resource.getrusage(resource.RUSAGE_CHILDREN), time.monotonic()
-    try:
-        done = subprocess.run(list(map(str, command)), stdin=subprocess.DEVNULL, capture_output=True, text=True, cwd=ROOT,
-                              errors="replace", timeout=TIMEOUT_S, env={**os.environ, **(environment or {})})
-    except subprocess.TimeoutExpired:
-        raise Failure(3, f"{command[0]} took longer than {TIMEOUT_S} s; give fewer --scans or --particles")
-    wall_s, after = time.monotonic() - begun, resource.getrusage(resource.RUSAGE_CHILDREN)
-    if done.returncode != 0:
-        message = re.search(r"Message:\s*(.+)", done.stdout + done.stderr)
-        last = message[1] if message else (done.stderr.strip().splitlines() or ["no message"])[-1]
-        raise Failure(3, f"exit code {done.returncode} of {' '.join(map(str, command))}: {last}")
-    return done.stdout, (after.ru_utime + after.ru_stime - before.ru_utime - before.ru_stime) / wall_s
+    worked_s, begun = children_s(), time.monotonic()
+    out = program(*arguments, environment=environment)
+    wall_s = time.monotonic() - begun
+    return out, (children_s() - worked_s) / wall_s
 
 
 def errors_of(path, poses):
     """Mean and maximum of the position error, the first scan left out: MRPT takes no step there."""
-    errors = [math.hypot(x - true[0], y - true[1]) for (x, y), true in zip(path, poses)][1:]
+    errors = [math.hypot(x - true[0], y - true[1]) for (x, y), true in zip(path, poses, strict=True)][1:]
     return {"mean_m": statistics.fmean(errors), "max_m": max(errors)}
 
 
@@ -230,16 +63,16 @@ MRPT_POSE = re.compile(r"PDF estimation: \(([-\d.e+]+),([-\d.e+]+),[-\d.e+]+deg\
 MRPT_ESS = re.compile(r"Done in [\d.]+ms, ESS=([\d.]+)")
 
 
-def run_mrpt(args, row, drive, work):
-    folder = work / f"{row.key}_000_{args.particles:07}"
+def run_mrpt(program, particles, row, drive, work):
+    folder = work / f"{row.key}_000_{particles:07}"
     shutil.rmtree(folder, ignore_errors=True)
-    out, busy = run_program([args.pf_localization, work / f"{row.key}.ini"])
+    out, busy = run_program(program, work / f"{row.key}.ini")
     path = [(float(x), float(y)) for x, y in MRPT_POSE.findall(out)]
     try:
         step_s = [float(value) for value in (folder / "exec_times.txt").read_text().split()]
         spread_m = [float(value) for value in (folder / "GT_error.txt").read_text().split()]
     except (OSError, ValueError) as error:
-        raise Failure(3, f"{row.key}: expected MRPT's step times and errors: {error}")
+        raise Failure(3, f"{row.key}: expected MRPT's step times and errors: {error}") from None
     if len(path) != len(drive.scans) or len(step_s) != len(path) - 1:
         raise Failure(3, f"{row.key}: expected {len(drive.scans)} poses of MRPT, found {len(path)} and {len(step_s)} steps")
     errors = errors_of(path, drive.poses)
@@ -255,13 +88,13 @@ def run_mrpt(args, row, drive, work):
             "backend": f"MRPT {version[1]}" if version else "MRPT of unknown version"}
 
 
-def run_parloc(args, row, drive, work, seed):
+def run_parloc(program, particles, row, drive, work, seed):
     start = ",".join(f"{v:.9f}" for v in (*drive.poses[0], START_SIGMA_M, START_SIGMA_M, START_SIGMA_RAD))
     out, busy = run_program(
-        [args.parloc, "run", "--map", work / "map.yaml", "--log", work / "scans.log", "--config", work / f"{row.model}.yaml",
-         f"--init={start}", "--particles", args.particles, "--beams", len(drive.scans[0].ranges_m), "--seed", seed,
-         "--backend", "cpu", "--threads", row.threads, "--json", "--quiet", "--out", work / "parloc"],
-        {"PARLOC_SIMD": row.simd} if row.simd else None)
+        program, "run", "--map", work / "map.yaml", "--log", work / "scans.log", "--config", work / f"{row.model}.yaml",
+        f"--init={start}", "--particles", particles, "--beams", len(drive.scans[0].ranges_m), "--seed", seed,
+        "--backend", "cpu", "--threads", row.threads, "--json", "--quiet", "--out", work / "parloc",
+        environment={"PARLOC_SIMD": row.simd} if row.simd else None)
     metrics = json.loads(out)
     path = [(x, y) for _, x, y, _ in read_tum(work / "parloc/trajectory.tum")]
     if len(path) != len(drive.scans):
@@ -270,23 +103,22 @@ def run_parloc(args, row, drive, work, seed):
             "cores_busy": busy, "digest": metrics["digest"], "backend": metrics["backend"]}
 
 
-def measure(args, drive, work):
+def measure(bench, drive):
     """Rounds of one run per row, one right after the other: [{row key: values}], and how it ended."""
-    rounds, end = [], None
-    try:
-        for number in range(1, args.repeats + 1):
-            values = {}
-            for row in ROWS:
-                values[row.key] = (run_parloc(args, row, drive, work, number) if row.model
-                                   else run_mrpt(args, row, drive, work))
-                print(f"[{number}/{args.repeats}] {row.key}: {values[row.key]['median_ms']:.3f} ms per step, mean error "
-                      f"{100 * values[row.key]['mean_m']:.2f} cm", file=sys.stderr, flush=True)
-            rounds.append(values)
-    except (KeyboardInterrupt, Failure) as stop:
-        end = stop if isinstance(stop, Failure) else Failure(130, "interrupted")
-        if not rounds:
-            raise end
-    return rounds, end
+    particles, pf_localization = bench.args.particles, Program(bench.args.pf_localization, TIMEOUT_S)
+    tasks = {}
+    for number in range(1, bench.args.repeats + 1):
+        for row in ROWS:
+            tasks[number, row.key] = (
+                partial(run_parloc, bench.program, particles, row, drive, bench.folder, number) if row.model else
+                partial(run_mrpt, pf_localization, particles, row, drive, bench.folder))
+    results, end = bench.measure(tasks, lambda key, run: (
+        f"round {key[0]}, {key[1]}: {run['median_ms']:.3f} ms per step, mean error {100 * run['mean_m']:.2f} cm"),
+        pf_localization)
+    whole = len(results) // len(ROWS)
+    if not whole:
+        raise end
+    return [{row.key: results[number, row.key] for row in ROWS} for number in range(1, whole + 1)], end
 
 
 # ---- The page ----------------------------------------------------------------------------------------------------------
@@ -325,11 +157,15 @@ def summary(rounds):
     return result
 
 
-def table_row(row, record):
-    return (row.text, str(row.threads), spread(record["median_ms"], milliseconds),
-            milliseconds(statistics.median(record["p99_ms"])),
-            spread(record["times_faster_than_mrpt"], times) if row.model else "",
-            f"{100 * statistics.fmean(record['mean_m']):.2f}", f"{100 * max(record['max_m']):.1f}")
+def results_table(records):
+    """`records` by key of their row."""
+    return table_of(((row, records[row.key]) for row in ROWS), {
+        "program and model": lambda pair: pair[0].text, "threads": lambda pair: str(pair[0].threads),
+        "ms per step": lambda pair: spread(pair[1]["median_ms"], milliseconds),
+        "p99": lambda pair: milliseconds(statistics.median(pair[1]["p99_ms"])),
+        "times faster": lambda pair: spread(pair[1]["times_faster_than_mrpt"], times) if pair[0].model else "",
+        "mean error": lambda pair: f"{100 * statistics.fmean(pair[1]['mean_m']):.2f}",
+        "maximum": lambda pair: f"{100 * max(pair[1]['max_m']):.1f}"})
 
 
 PAGE = """# parloc beside MRPT
@@ -383,60 +219,48 @@ parloc took what this CPU has: {backend}.
 - **Random numbers.** MRPT's seed is the time: its errors differ from run to run. parloc's seeds are the numbers of the rounds. MRPT's
   poses have 3 decimals.
 
-"""
+"""  # noqa: E501
 
 
 def page(record):
     rows, setup = {run["row"]: run for run in record["runs"]}, record["setup"]
-    ess = spread([v for run in rows.values() for v in run.get("ess_after_resampling", [])], lambda v: f"{v:.2f}")
     text = PAGE.format(
         partial=f"**Partial: ended after {setup['rounds']} rounds ({record['ended_by']}).** " if record["partial"] else "",
-        mrpt=rows["mrpt_ray"]["backend"], **setup, sigma=SIGMA_M, cap=FIELD_CAP_M, tempering=FIELD_TEMPERING,
-        table=table(("program and model", "threads", "ms per step", "p99", "times faster", "mean error", "maximum"),
-                    [table_row(row, rows[row.key]) for row in ROWS]),
+        mrpt=rows["mrpt_ray"]["backend"], **setup, table=results_table(rows), backend=rows["gaussian_1"]["backend"],
         busy=spread([v for key in ("mrpt_ray", "mrpt_field") for v in rows[key]["cores_busy"]], lambda v: f"{v:.2f}"),
-        backend=rows["gaussian_1"]["backend"], hit=MRPT_RAY_HIT, floor=MRPT_RAY_FLOOR_M / told_range_m(setup["range"]),
-        step=MRPT_RAY_STEP_CELLS, step_cm=100 * MRPT_RAY_STEP_CELLS * setup["resolution_m"], told=told_range_m(setup["range"]),
-        margin=mrpt.MARGIN_CELLS, alphas=", ".join(map(str, ALPHAS)), start_m=START_SIGMA_M, start_rad=START_SIGMA_RAD, ess=ess)
-    keys = ("command", "date", "commit", "program", "mrpt", "compiler", "machine", "load", "system")
-    facts = {**record, "mrpt": rows["mrpt_ray"]["backend"]}
-    return text + "## Where and when\n\n" + table(
-        ("", ""), [(key, f"`{facts[key]}`" if key == "command" else facts[key]) for key in keys])
+        sigma=models.SIGMA_M, cap=models.FIELD_CAP_M, tempering=models.FIELD_TEMPERING, hit=models.MRPT_RAY_HIT,
+        floor=models.MRPT_RAY_FLOOR_M / told_range_m(setup["range"]), step=models.MRPT_RAY_STEP_CELLS,
+        step_cm=100 * models.MRPT_RAY_STEP_CELLS * setup["resolution_m"], told=told_range_m(setup["range"]),
+        margin=MARGIN_CELLS, alphas=", ".join(map(str, models.ALPHAS)), start_m=START_SIGMA_M, start_rad=START_SIGMA_RAD,
+        ess=spread([v for run in rows.values() for v in run.get("ess_after_resampling", [])], lambda v: f"{v:.2f}"))
+    keys = list(CIRCUMSTANCES)
+    keys[-1:] = "load", keys[-1]
+    keys.insert(keys.index("compiler"), "mrpt")
+    return text + circumstances_text({**record, "mrpt": rows["mrpt_ray"]["backend"]}, keys)
 
 
 # ---- Command line ------------------------------------------------------------------------------------------------------
 
 
-def parse_arguments():
-    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    for name, default, text in (("particles", 4000, "particles"), ("beams", 200, "beams of a scan, at most"),
-                                ("scans", 120, "scans from the start of the log, at least 10"), ("repeats", 5, "rounds")):
-        parser.add_argument(f"--{name}", type=positive, default=default, metavar="N", help=f"{text} ({default})")
-    for name, text in (("map", "map_server YAML with a PGM"), ("log", "CARMEN log of ROBOTLASER1 messages, instead of a "
-                       "simulated one"), ("truth", "its true trajectory, TUM format")):
-        parser.add_argument(f"--{name}", type=pathlib.Path, metavar="FILE", help=text)
-    parser.add_argument("--out", type=pathlib.Path, default=OUT, metavar="DIR", help="folder for the page (docs/results)")
-    parser.add_argument("--keep", type=pathlib.Path, metavar="DIR", help="keep the converted files and MRPT's output here")
-    parser.add_argument("--parloc", type=pathlib.Path, default=ROOT / "build/cpu/parloc", metavar="FILE",
-                        help="the program (build/cpu/parloc)")
-    parser.add_argument("--pf-localization", default="pf-localization", metavar="FILE", help="MRPT's program (found by PATH)")
-    args = parse(parser)
+def check(args):
     if len({args.map is None, args.log is None, args.truth is None}) > 1:
-        parser.error("--map, --log and --truth belong together")
+        raise Failure(2, "--map, --log and --truth belong together")
     if args.scans < 10 or args.beams < 2:
-        parser.error("expected at least 10 --scans and 2 --beams")
-    return args
-
-
-def compare(args, work):
+        raise Failure(2, "expected at least 10 --scans and 2 --beams")
     if not (found := shutil.which(args.pf_localization)):
         raise Failure(2, f"{args.pf_localization}: not found, it is a program of MRPT: apt-get install mrpt-apps")
     args.pf_localization = found
-    program = program_and_folder(args)
-    facts = {**circumstances(program), "load": f"{os.getloadavg()[0]:.1f} in the minute before"}
-    drive = read_drive(args, program, work)
+
+
+def compare(bench):
+    args, bench.program.timeout_s = bench.args, TIMEOUT_S
+    if args.keep:
+        args.keep.mkdir(parents=True, exist_ok=True)
+        bench.folder = args.keep
+    facts = {**circumstances(bench.program), "load": f"{os.getloadavg()[0]:.1f} in the minute before"}
+    drive, work = read_drive(bench), bench.folder
     write_inputs(drive, args.particles, work)
-    rounds, end = measure(args, drive, work)
+    rounds, end = measure(bench, drive)
     log = f"`{args.log.name}` on `{args.map.name}`" if args.log else f"`{PAPER_SCENARIO}` (a simulated drive) on `{PAPER_MAP}`"
     setup = {"particles": args.particles, "beams": len(drive.scans[0].ranges_m), "scans": len(drive.scans), "log": log,
              "rounds": len(rounds), "range": drive.scans[0].range_max_m, "resolution_m": drive.grid.resolution_m,
@@ -451,17 +275,12 @@ def compare(args, work):
     return 0
 
 
-def main():
-    args = parse_arguments()
-
-    def work():
-        if args.keep:
-            args.keep.mkdir(parents=True, exist_ok=True)
-            return compare(args, args.keep)
-        with tempfile.TemporaryDirectory(prefix="parloc_mrpt_") as folder:
-            return compare(args, pathlib.Path(folder))
-    return reported("compare_mrpt", work)
-
-
 if __name__ == "__main__":
-    sys.exit(main())
+    sys.exit(measuring.study(__doc__, {compare: (
+        count("--particles", 4000, "particles"), count("--beams", 200, "beams of a scan, at most"),
+        count("--scans", 120, "scans from the start of the log, at least 10"), count("--repeats", 5, "rounds"),
+        path("--map", None, "map_server YAML with a PGM", "FILE"),
+        path("--log", None, "CARMEN log of ROBOTLASER1 messages, instead of a simulated one", "FILE"),
+        path("--truth", None, "its true trajectory, TUM format", "FILE"),
+        path("--keep", None, "keep the converted files and MRPT's output here"),
+        option("--pf-localization", "pf-localization", "MRPT's program, found by PATH", metavar="FILE"))}, check))

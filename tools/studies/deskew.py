@@ -1,23 +1,20 @@
 #!/usr/bin/env python3
 """Measures what deskewing is worth and writes a page (Markdown) with all values beside it (JSON).
 
-    tools/studies/deskew.py [--seeds N] [--jobs K] [--out DIR] [--parloc FILE]
-
 Every seed is driven twice, with scans taken in an instant and with scans of 0.1 s, all noise being the same. The filter is
-run on the first, and on the second without and with knowing the scan time. Needs Python 3.10 and a built program.
-
-Exit code: 0 the bar kept, 1 missed, 2 wrong usage or a missing file, 3 a run of parloc failed, 130 interrupted.
+run on the first, and on the second without and with knowing the scan time.
 """
 
-import argparse
 import math
 import re
 import statistics
 import sys
+from functools import partial
 
 import measuring
-import track_errors
-from measuring import ROOT
+from measuring import ROOT, count
+from pages import circumstances, circumstances_text, table, where, write_results
+from runs import FILTER_ALONE, files_of, localize, rms, simulate, yaml_text
 
 SCAN_TIME_S = 0.1
 STAMPS = ("first", "middle", "last")
@@ -30,53 +27,35 @@ SCENES = {
 }
 
 
-def scenario_text(path, scan_time_s, stamp_at):
-    """The shipped scenario with other times, its files named from the root of the file system."""
-    text = (ROOT / path).read_text()
-    text = re.sub(r"^  (scan_time|stamp_at):.*\n", "", text, flags=re.MULTILINE)
-    text = re.sub(r"^lidar:\n", f"lidar:\n  scan_time: {scan_time_s}\n  stamp_at: {stamp_at}\n", text, flags=re.MULTILINE)
-    return text.replace("../maps/", f"{ROOT}/maps/")
-
-
 def config_text(path, scan_time_s, stamp_at):
     text = (ROOT / path).read_text() if path else ""
     text = re.sub(r"^lidars:\n(?:[ #].*\n|\n)*", "", text, flags=re.MULTILINE)
-    return f"{text}\nlidars:\n  robotlaser1: {{scan_time: {scan_time_s}, stamp_at: {stamp_at}}}\n{track_errors.FILTER_ALONE}"
+    return f"{text}\nlidars:\n  robotlaser1: {{scan_time: {scan_time_s}, stamp_at: {stamp_at}}}\n{yaml_text(FILTER_ALONE)}"
 
 
-def errors_of(program, work, name, scene, seed, log, told_s, stamp_at):
+def errors_of(bench, name, scene, seed, log, told_s, stamp_at):
     """RMSE of one run over the scans that count."""
     scenario, config, turning_only = SCENES[scene]
-    config_path = work / f"{name}.yaml"
-    config_path.write_text(config_text(config, told_s, stamp_at))
-    localization_map = re.search(r"^localization_map: \.\./(\S+)", (ROOT / scenario).read_text(), re.MULTILINE)[1]
-    metrics, errors, truth = track_errors.localize(program, work, name, [
-        "--map", localization_map, "--config", config_path, "--seed", seed, "--log", log / "scans.log",
-        "--truth", log / "truth.tum"])
+    grid = re.search(r"^localization_map: \.\./(\S+)", (ROOT / scenario).read_text(), re.MULTILINE)[1]
+    metrics, errors, truth = localize(bench, name, seed, files_of(grid, log), config_text(config, told_s, stamp_at))
     if turning_only:
         errors = [e for e in errors if abs(truth.yaw_rate(e[0]) or 0.0) > TURNING_RAD_S]
-    return {"heading_deg": math.degrees(track_errors.rms([e[2] for e in errors])),
-            "position_m": track_errors.rms([e[1] for e in errors]), "scans": len(errors), "digest": metrics["digest"],
-            "backend": metrics["backend"]}
+    return {"heading_deg": math.degrees(rms([e[2] for e in errors])), "position_m": rms([e[1] for e in errors]),
+            "scans": len(errors), "digest": metrics["digest"], "backend": metrics["backend"]}
 
 
-def one_seed(program, work, scene, seed):
+def one_seed(bench, scene, seed):
     """{instant, ignored and deskewed by stamp} of one drive."""
-    def simulate(name, scan_time_s, stamp_at):
-        path = work / f"{name}.scenario.yaml"
-        path.write_text(scenario_text(SCENES[scene][0], scan_time_s, stamp_at))
-        program("simulate", "--scenario", path, "--seed", seed, "--out", work / name, "--quiet")
-        return work / name
+    def errors(name, scan_time_s, stamp_at, told):
+        """By what the filter is told of the scan time: {name: seconds}."""
+        log, _ = simulate(bench, SCENES[scene][0], seed, f"{scene}_{seed}_{name}",
+                          {"scan_time": scan_time_s, "stamp_at": stamp_at})
+        return {kind: errors_of(bench, f"{log.name}_{kind}_run", scene, seed, log, told_s, stamp_at)
+                for kind, told_s in told.items()}
 
-    base = f"{scene}_{seed}"
-    values = {"scene": scene, "seed": seed}
-    values["instant"] = errors_of(program, work, base + "_i", scene, seed, simulate(base + "_instant", 0, "first"), 0, "first")
-    for stamp_at in STAMPS:
-        log = simulate(f"{base}_{stamp_at}", SCAN_TIME_S, stamp_at)
-        values[stamp_at] = {
-            kind: errors_of(program, work, f"{base}_{stamp_at}_{kind}", scene, seed, log, told_s, stamp_at)
-            for kind, told_s in (("ignored", 0), ("deskewed", SCAN_TIME_S))}
-    return values
+    told = {"ignored": 0, "deskewed": SCAN_TIME_S}
+    return {"scene": scene, "seed": seed, **errors("instant", 0, "first", {"instant": 0}),
+            **{stamp_at: errors(stamp_at, SCAN_TIME_S, stamp_at, told) for stamp_at in STAMPS}}
 
 
 def removed(instant, ignored, deskewed):
@@ -87,8 +66,8 @@ def removed(instant, ignored, deskewed):
 def summary(runs, scene, stamp_at, key):
     """Mean over the seeds of the three errors, the share removed, and the worst seed's share."""
     rows = [(r["instant"][key], r[stamp_at]["ignored"][key], r[stamp_at]["deskewed"][key])
-            for r in runs if r["scene"] == scene]
-    means = [statistics.fmean(column) for column in zip(*rows)]
+            for r in where(runs, scene=scene)]
+    means = [statistics.fmean(column) for column in zip(*rows, strict=True)]
     return means, removed(*means), min(removed(*row) for row in rows)
 
 
@@ -102,26 +81,25 @@ def scene_table(runs, scene):
             shares = [f"{100 * share:.0f} %", f"{100 * worst:.0f} %"] if costs > 0.25 else ["-", "-"]
             rows.append([stamp_at, unit, *(f"{factor * m:.2f}" for m in means), *shares])
     header = ("stamp at beam", "RMSE of", "instant scans", "0.1 s, ignored", "0.1 s, deskewed", "removed", "worst seed")
-    return measuring.table(header, rows)
+    return table(header, rows)
 
 
 def page(record):
     runs = record["runs"]
     kept = record["within_bar"]
-    seeds = sum(r["scene"] == "spin" for r in runs)
     return f"""# What deskewing is worth
 
 {"The bar is kept" if kept else "**The bar is missed**"}: at 1 rad/s and 10 scans a second, deskewing removes at least
 {100 * BAR:.0f} % of the error that ignoring the scan time causes, in heading and in position, wherever the stamp lies, mean over
 the seeds.
 
-## Turning on the spot at 1 rad/s, {seeds} seeds
+## Turning on the spot at 1 rad/s, {len(where(runs, scene="spin"))} seeds
 
 {scene_table(runs, "spin")}
 
 The LiDAR sits 0.2 m ahead of the base and needs 0.1 s for a turn. Only scans while the robot turns count.
 
-## Five minutes in the office, {sum(r["scene"] == "office" for r in runs)} seeds
+## Five minutes in the office, {len(where(runs, scene="office"))} seeds
 
 {scene_table(runs, "office")}
 
@@ -139,39 +117,27 @@ per scan. All scans count.
 - With the stamp at the first or last beam, ignoring the scan time turns the whole scan by half of what the robot turns meanwhile: most
   of the error is an offset, which the stamp of the middle beam would not have. What is left there is the blur.
 
-{measuring.circumstances_text(record)}
-"""
+{circumstances_text(record)}
+"""  # noqa: E501
 
 
-def parse_arguments():
-    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("--seeds", type=measuring.positive, default=20, metavar="N", help="seeds 1 to N (20); of the office a quarter")
-    measuring.add_arguments(parser, jobs="seeds at a time")
-    return measuring.parse(parser)
-
-
-def run(args, program, work):
-    keys = [("spin", s) for s in range(1, args.seeds + 1)] + [("office", s) for s in range(1, max(1, args.seeds // 4) + 1)]
-    tasks = [(key, lambda key=key: one_seed(program, work, *key)) for key in keys]
-    results, end = measuring.measure(
-        program, args.jobs, tasks,
-        lambda key, r: f"{key[0]}, seed {key[1]}: heading {r['instant']['heading_deg']:.2f}, ignored "
-                       f"{r['first']['ignored']['heading_deg']:.2f}, deskewed {r['first']['deskewed']['heading_deg']:.2f} deg")
+def run(bench):
+    seeds = {"spin": bench.args.seeds, "office": max(1, bench.args.seeds // 4)}
+    tasks = {(scene, seed): partial(one_seed, bench, scene, seed) for scene in SCENES for seed in range(1, seeds[scene] + 1)}
+    facts = circumstances(bench.program)
+    results, end = bench.measure(tasks, lambda key, r: (
+        f"{key[0]}, seed {key[1]}: heading {r['instant']['heading_deg']:.2f}, ignored "
+        f"{r['first']['ignored']['heading_deg']:.2f}, deskewed {r['first']['deskewed']['heading_deg']:.2f} deg"))
     if end:
         raise end
     runs = list(results.values())
-    within = all(summary(runs, "spin", stamp_at, key)[1] >= BAR
-                 for stamp_at in STAMPS for key in ("heading_deg", "position_m"))
-    record = {"partial": False, **measuring.circumstances(program), "backend": runs[0]["instant"]["backend"], "bar": BAR,
-              "within_bar": within, "runs": runs}
-    measuring.write_results(args.out, "deskew", record, page(record))
+    within = all(summary(runs, "spin", stamp_at, key)[1] >= BAR for stamp_at in STAMPS for key in ("heading_deg", "position_m"))
+    record = {"partial": False, **facts, "backend": runs[0]["instant"]["backend"], "bar": BAR, "within_bar": within,
+              "runs": runs}
+    write_results(bench.args.out, "deskew", record, page(record))
     return 0 if within else 1
 
 
-def main():
-    args = parse_arguments()
-    return measuring.run_tool("deskew", args, run)
-
-
 if __name__ == "__main__":
-    sys.exit(main())
+    sys.exit(measuring.study(__doc__, {run: (count("--seeds", 20, "seeds 1 to N, of the office a quarter"),
+                                             count("--jobs", 1, "seeds at a time"))}))

@@ -1,30 +1,33 @@
 #!/usr/bin/env python3
-"""Draws a simulated drive on its map: the true path, what the odometry says, and where the beams end.
+"""Draws a drive on its map: the true path, what the odometry says, and where the beams end.
 
     python3 tools/studies/draw_log.py maps/hall_obstacles.pgm 0 0 DIR docs/images/hall_17m.png
+    python3 tools/studies/draw_log.py maps/malaga_faculty.pgm -38 -49 maps/logs/malaga_faculty faculty.png
 
-The two numbers are the map's origin; DIR holds scans.log and truth.tum of `parloc simulate`. Makes the pictures of
-docs/simulator.md; Python's standard library only.
+The two numbers are the map's origin; DIR holds scans.log and truth.tum of `parloc simulate`, else it is the beginning of the
+names of a .log.gz and a .tum. Of a long log every 25th scan is drawn. Makes the pictures of docs/simulator.md.
 """
 
 import math
 import pathlib
 import sys
 
-from make_maps import COARSE_M, OCCUPIED, UNKNOWN, write_png
-from poses import compose, inverse
+from grids import GREY, OCCUPIED, UNKNOWN, png, read_pgm
+from logs import read_log, read_tum
+from make_maps import COARSE_M
+from measuring import reported
+from poses import compose, relative
 
 SCALE = 3  # pixels per cell
-INK = {OCCUPIED: (60, 60, 60), UNKNOWN: (205, 205, 205)}
+INK = {GREY[OCCUPIED]: (60, 60, 60), GREY[UNKNOWN]: (205, 205, 205)}
 HIT, ODOMETRY, TRUTH, STOP = (240, 160, 60), (200, 60, 60), (40, 90, 200), (10, 40, 120)
 
 
 class Picture:
     def __init__(self, pgm, origin):
-        _, size, _, cells = pathlib.Path(pgm).read_bytes().split(b"\n", 3)
-        self.width, self.height = map(int, size.split())
+        self.width, height, cells = read_pgm(pgm)
         self.origin, self.rows = origin, []
-        for row in range(self.height):
+        for row in range(height):
             line = b"".join(bytes(INK.get(v, (255, 255, 255))) * SCALE
                             for v in cells[row * self.width:(row + 1) * self.width])
             self.rows += [bytearray(line) for _ in range(SCALE)]
@@ -39,43 +42,27 @@ class Picture:
                     self.rows[r][3 * c:3 * c + 3] = bytes(colour)
 
 
-def read_truth(path):
-    rows = [list(map(float, line.split())) for line in open(path) if not line.startswith("#")]
-    return [(r[1], r[2], 2 * math.atan2(r[6], r[7])) for r in rows]
-
-
-def read_scans(path):
-    """(start angle, step, maximum, ranges, laser pose, robot pose) per ROBOTLASER1 line, poses by odometry."""
-    for line in open(path):
-        word = line.split()
-        if word[:1] != ["ROBOTLASER1"]:
-            continue
-        n = int(word[8])
-        poses = list(map(float, word[10 + n:16 + n]))
-        yield (float(word[2]), float(word[4]), float(word[5]), list(map(float, word[9:9 + n])), tuple(poses[:3]),
-               tuple(poses[3:]))
-
-
-def main(pgm, x, y, folder, png):
-    picture = Picture(pgm, (float(x), float(y)))
-    truth = read_truth(pathlib.Path(folder) / "truth.tum")
-    scans = list(read_scans(pathlib.Path(folder) / "scans.log"))
-    for pose, (start, step, longest, ranges, laser, robot) in list(zip(truth, scans))[::25]:
-        sensor = compose(pose, compose(inverse(robot), laser))
-        for k, r in enumerate(ranges):
-            if 0 < r < longest:
-                angle = sensor[2] + start + k * step
+def draw(pgm, x, y, folder, image):
+    picture, folder = Picture(pgm, (float(x), float(y))), pathlib.Path(folder)
+    log, trajectory = ((folder / "scans.log", folder / "truth.tum") if folder.is_dir() else
+                       (folder.with_suffix(".log.gz"), folder.with_suffix(".tum")))
+    scans, truth = read_log(log), [row[1:] for row in read_tum(trajectory)]
+    for pose, scan in list(zip(truth, scans, strict=False))[::25 if len(scans) > 250 else 1]:
+        sensor = compose(pose, scan.T_base_sensor)
+        for k, r in enumerate(scan.ranges_m):
+            if 0 < r < scan.range_max_m:
+                angle = sensor[2] + scan.angle_min_rad + k * scan.angle_step_rad
                 picture.dot(sensor[0] + r * math.cos(angle), sensor[1] + r * math.sin(angle), HIT, 0.8)
-    to_map = compose(truth[0], inverse(scans[0][5]))
     for scan in scans:
-        picture.dot(*compose(to_map, scan[5])[:2], ODOMETRY, 1.2)
-    for before, pose in zip([truth[0]] + truth, truth):
+        picture.dot(*compose(truth[0], relative(scan.T_odom_base, scans[0].T_odom_base))[:2], ODOMETRY, 1.2)
+    for before, pose in zip([truth[0], *truth], truth, strict=False):
         stands = math.dist(before[:2], pose[:2]) < 1e-6
         picture.dot(pose[0], pose[1], STOP if stands else TRUTH, 6 if stands else 2.2)
-    write_png(pathlib.Path(png), picture.rows, channels=3)
+    pathlib.Path(image).write_bytes(png(picture.rows, channels=3))
+    return 0
 
 
 if __name__ == "__main__":
     if len(sys.argv) != 6:
         sys.exit(__doc__)
-    main(*sys.argv[1:])
+    sys.exit(reported(lambda: draw(*sys.argv[1:])))

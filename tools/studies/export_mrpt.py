@@ -1,8 +1,8 @@
 #!/usr/bin/env python3
 """Exports the two real logs in maps/ and their maps from Debian's mrpt-common package. Run once; not part of the build.
 
-    sudo apt-get install mrpt-common python3-numpy python3-scipy python3-matplotlib
-    /usr/bin/python3 tools/studies/export_mrpt.py --out maps [--pictures /tmp]
+    sudo apt-get install mrpt-common python3-numpy python3-scipy
+    /usr/bin/python3 tools/studies/export_mrpt.py --out maps
 
 Input: /usr/share/mrpt/datasets (MRPT's own binary objects, possibly gzip).
 Output: malaga_{corridor,faculty}.{yaml,pgm} and logs/malaga_{corridor,faculty}.{log.gz,tum} under --out.
@@ -11,18 +11,74 @@ maps/logs/README.md says what they are and how good they are. The same input giv
 
 import argparse
 import gzip
+import math
 import pathlib
+from dataclasses import dataclass, replace
+from itertools import pairwise
 
 import numpy as np
+from grids import FREE, OCCUPIED, UNKNOWN, Grid, write_map
+from measuring import ROOT
+from mrpt_objects import RangeScan, Stream
+from poses import compose, relative, wrap
 from scipy.ndimage import distance_transform_edt
-from scipy.sparse import coo_matrix
-from scipy.sparse.linalg import spsolve
 from scipy.spatial import cKDTree
-
-from mrpt_objects import NO_RETURN_M, Observation, Stream, compose, read_rawlog, relative, transform, wrap
 
 DATASETS = pathlib.Path("/usr/share/mrpt/datasets")
 RESOLUTION_M = 0.05
+MAP_RANGE_M = 30.0  # beyond it, beams half a degree apart are too sparse for 5 cm cells
+NO_RETURN_M = 80.0  # the recordings' maximum; codes for "no return" are 81.83 to 81.91
+
+
+# ---- the recordings ----------------------------------------------------------------------------------------------------
+
+
+def transform(pose, points):
+    c, s = np.cos(pose[2]), np.sin(pose[2])
+    return np.asarray(pose)[:2] + points @ np.array([[c, s], [-s, c]])
+
+
+@dataclass
+class Observation:
+    """One scan: ranges in metres from right (-90 degrees) to left (+90 degrees), both ends included."""
+
+    stamp_s: float
+    ranges_m: np.ndarray
+    T_base_sensor: tuple  # x, y [m], heading [rad]
+
+    def points(self, max_range_m=MAP_RANGE_M):
+        """Reflections in the frame of the base, n x 2."""
+        bearing = -np.pi / 2 + np.pi / (len(self.ranges_m) - 1) * np.arange(len(self.ranges_m))
+        keep = (self.ranges_m > 0.05) & (self.ranges_m < max_range_m)
+        r, a = self.ranges_m[keep], bearing[keep]
+        return transform(self.T_base_sensor, np.stack([r * np.cos(a), r * np.sin(a)], 1))
+
+
+def planar(pose):
+    """x, y and heading of a pose that has them first and last."""
+    return *pose[:2], pose[-1]
+
+
+def observation(scan):
+    expected = scan.to_left == 1 and len(scan.ranges_m) == 361 and abs(scan.aperture_rad - np.pi) <= 1e-6
+    if not expected or scan.range_max_m != NO_RETURN_M:
+        raise ValueError("expected 361 beams over 180 degrees from right to left, 80 m")
+    return Observation((scan.ticks - 116444736000000000) / 1e7, np.array(scan.ranges_m), planar(scan.pose))
+
+
+def read_rawlog(path):
+    """Scans, and the odometry pose at each, from the increments between them; the first is at the origin."""
+    scans, odometry, pose = [], [], (0.0, 0.0, 0.0)
+    for entry in Stream(path.read_bytes()).objects():
+        if isinstance(entry[0], RangeScan):
+            scans.append(observation(entry[0]))
+            odometry.append(pose)
+        elif scans:  # an increment before the first scan moves nothing that is in the log
+            pose = compose(pose, entry[0].delta)
+    return scans, odometry
+
+
+# ---- alignment: point to line, Huber's weights -------------------------------------------------------------------------
 
 
 def normals_of(points):
@@ -30,16 +86,13 @@ def normals_of(points):
     normals = np.zeros_like(points)
     good = np.zeros(len(points), bool)
     for i in range(2, len(points) - 2):
-        near = points[i - 2 : i + 3]
+        near = points[i - 2:i + 3]
         if np.abs(np.diff(near, axis=0)).max() > 0.5:
             continue
         value, vector = np.linalg.eigh(np.cov(near.T))
         normals[i] = vector[:, 0]
         good[i] = value[0] < 0.02 * value[1] or value[0] < 0.01**2
     return normals, good
-
-
-# ---- alignment: point to line, Huber's weights -------------------------------------------------------------------------
 
 
 def huber(residual_m, width_m=0.03):
@@ -64,30 +117,30 @@ class Cloud:
         normals = self.normals[index[found]]
         return found, np.sum((world[found] - self.points[index[found]]) * normals, 1), normals
 
+    def placed(self, pose):
+        return Cloud(transform(pose, self.points), transform((0, 0, pose[2]), self.normals))
+
+
+def lines_of(scan):
+    """The points of a scan, in the frame of the base, that lie on a line."""
+    points = scan.points()
+    normals, good = normals_of(points)
+    return Cloud(points[good], normals[good])
+
 
 def refine_keyframes(poses, scans, sweeps=30):
     """All key-frame poses at once: every scan to the lines of every other that it overlaps, and a weak pull (10 cm,
     1 degree) to where MRPT's own mapping put it. The first stays. Returns poses and the mean residual before, after."""
     local = [scan.points() for scan in scans]
-    flat = [normals_of(p) for p in local]
+    lines = [lines_of(scan) for scan in scans]
     poses = poses.copy()
     given = poses.copy()
     residuals = []
     for sweep in range(sweeps):
         reach_m = max(0.10, 0.30 - 0.02 * sweep)
-        world = [transform(p, q) for p, q in zip(poses, local)]
-        clouds = []
-        for pose, q, (normals, good) in zip(poses, world, flat):
-            c, s = np.cos(pose[2]), np.sin(pose[2])
-            clouds.append(Cloud(q[good], normals[good] @ np.array([[c, s], [-s, c]])))
-        rows, columns, values = [], [], []
-        gradient = np.zeros(3 * len(poses))
-
-        def add(i, j, block):
-            for a in range(3):
-                for b in range(3):
-                    rows.append(3 * i + a), columns.append(3 * j + b), values.append(block[a, b])
-
+        world = [transform(p, q) for p, q in zip(poses, local, strict=True)]
+        clouds = [cloud.placed(pose) for pose, cloud in zip(poses, lines, strict=True)]
+        hessian, gradient = np.zeros((len(poses), 3, len(poses), 3)), np.zeros((len(poses), 3))
         total, count = 0.0, 0
         for i in range(len(poses)):
             for j in range(len(poses)):
@@ -100,18 +153,18 @@ def refine_keyframes(poses, scans, sweeps=30):
                 w = huber(r) / 0.03**2 * min(1.0, 50 / len(r))
                 Ji, Jj = jacobian(poses[i], world[i][found], n), -jacobian(poses[j], world[i][found], n)
                 for a, Ja in ((i, Ji), (j, Jj)):
-                    gradient[3 * a : 3 * a + 3] += Ja.T @ (w * r)
+                    gradient[a] += Ja.T @ (w * r)
                     for b, Jb in ((i, Ji), (j, Jj)):
-                        add(a, b, Ja.T @ (w[:, None] * Jb))
+                        hessian[a, :, b] += Ja.T @ (w[:, None] * Jb)
                 total, count = total + np.abs(r).sum(), count + len(r)
         residuals.append(total / count)
         pull = np.diag([1 / 0.1**2, 1 / 0.1**2, 1 / np.radians(1.0) ** 2])
         for i in range(len(poses)):
             strength = pull if i else 1e6 * pull
             d = poses[i] - given[i]
-            add(i, i, strength)
-            gradient[3 * i : 3 * i + 3] += strength @ np.append(d[:2], wrap(d[2]))
-        step = spsolve(coo_matrix((values, (rows, columns))).tocsc(), -gradient).reshape(-1, 3)
+            hessian[i, :, i] += strength
+            gradient[i] += strength @ np.append(d[:2], wrap(d[2]))
+        step = np.linalg.solve(hessian.reshape(gradient.size, -1), -gradient.ravel()).reshape(-1, 3)
         poses += step
         poses[:, 2] = wrap(poses[:, 2])
         if np.abs(step).max() < 1e-5 and reach_m == 0.10:
@@ -120,21 +173,16 @@ def refine_keyframes(poses, scans, sweeps=30):
 
 
 def cloud_of_map(poses, scans):
-    points, normals = [], []
-    for pose, scan in zip(poses, scans):
-        q = scan.points()
-        n, good = normals_of(q)
-        points.append(transform(pose, q[good]))
-        normals.append(transform(np.array([0, 0, pose[2]]), n[good]))
-    return Cloud(np.concatenate(points), np.concatenate(normals))
+    placed = [lines_of(scan).placed(pose) for pose, scan in zip(poses, scans, strict=True)]
+    return Cloud(np.concatenate([cloud.points for cloud in placed]), np.concatenate([cloud.normals for cloud in placed]))
 
 
-def align(cloud, scan, guess, pull_m=0.2, pull_rad=np.radians(3.0), reaches_m=(0.6, 0.4, 0.3, 0.2, 0.15, 0.15, 0.15)):
+def align(cloud, scan, guess, pull_m=0.2, pull_deg=3.0, reaches_m=(0.6, 0.4, 0.3, 0.2, 0.15, 0.15, 0.15)):
     """The pose of the base that lays the scan on the map, from a guess that pulls weakly. Returns pose, share of the
     points within 15 cm of a line of the map, and their mean residual."""
     local = scan.points()
     pose = guess.copy()
-    prior = np.diag([1 / pull_m**2, 1 / pull_m**2, 1 / pull_rad**2])
+    prior = np.diag([1 / pull_m**2, 1 / pull_m**2, 1 / np.radians(pull_deg) ** 2])
     for reach_m in reaches_m:
         for _ in range(8):
             world = transform(pose, local)
@@ -156,14 +204,14 @@ def half_of(scan, first):
     """The scan with every other beam only."""
     ranges_m = scan.ranges_m.copy()
     ranges_m[1 - first :: 2] = np.inf
-    return Observation(scan.stamp_s, ranges_m, scan.T_base_sensor)
+    return replace(scan, ranges_m=ranges_m)
 
 
 def precision(cloud, scans, poses):
     """Poses from the even and the odd beams alone, half their difference as the error of the whole: RMS in metres and
     radians. It sees noise of the beams, not errors of the map."""
     d = np.array([relative(align(cloud, half_of(s, 0), p)[0], align(cloud, half_of(s, 1), p)[0])
-                  for s, p in zip(scans, poses)]) / 2
+                  for s, p in zip(scans, poses, strict=True)]) / 2
     return np.sqrt((d[:, :2] ** 2).sum(1).mean()), np.sqrt((d[:, 2] ** 2).mean())
 
 
@@ -173,9 +221,9 @@ def track(cloud, scans, odometry, start):
     guess = start
     for i, scan in enumerate(scans):
         if i:
-            guess = compose(poses[-1], relative(odometry[i], odometry[i - 1]))
-        pose, share, residual = align(cloud, scan, guess)
-        poses.append(pose), shares.append(share), residuals.append(residual)
+            guess = np.array(compose(poses[-1], relative(odometry[i], odometry[i - 1])))
+        for found, value in zip((poses, shares, residuals), align(cloud, scan, guess), strict=True):
+            found.append(value)
     return np.array(poses), np.array(shares), np.array(residuals)
 
 
@@ -198,7 +246,7 @@ def global_start(grid, origin, cloud, scan):
         for k in np.argsort(cost)[:20]:
             scored.append((cost[k] / len(points), *places[k], theta))
     scored.sort()
-    ends = sorted((align(cloud, scan, np.array(s[1:]), pull_m=1.0, pull_rad=0.3) for s in scored[:50]),
+    ends = sorted((align(cloud, scan, np.array(s[1:]), pull_m=1.0, pull_deg=math.degrees(0.3)) for s in scored[:50]),
                   key=lambda e: -e[1])
     best = ends[0]
     far = [e[1] for e in ends
@@ -208,12 +256,10 @@ def global_start(grid, origin, cloud, scan):
 
 # ---- the grid ----------------------------------------------------------------------------------------------------------
 
-FREE, OCCUPIED, UNKNOWN = 0, 1, 2
-
 
 def build_grid(poses, scans):
     """Counts per cell how many beams ended in it and how many went through. Returns cells (row 0 lowest), origin."""
-    ends = np.concatenate([transform(p, s.points()) for p, s in zip(poses, scans)] + [poses[:, :2]])
+    ends = np.concatenate([transform(p, s.points()) for p, s in zip(poses, scans, strict=True)] + [poses[:, :2]])
     origin = np.floor(ends.min(0) - 0.5)
     width, height = np.ceil((ends.max(0) + 0.5 - origin) / RESOLUTION_M).astype(int)
     hits, passes = np.zeros(width * height, int), np.zeros(width * height, int)
@@ -222,12 +268,12 @@ def build_grid(poses, scans):
         cell = np.floor((points - origin) / RESOLUTION_M).astype(int)
         return cell[:, 1] * width + cell[:, 0]
 
-    for pose, scan in zip(poses, scans):
+    for pose, scan in zip(poses, scans, strict=True):
         sensor = compose(pose, scan.T_base_sensor)[:2]
         world = transform(pose, scan.points())
         end_cells = cells_of(world)
         np.add.at(hits, end_cells, 1)
-        for end, end_cell in zip(world, end_cells):
+        for end, end_cell in zip(world, end_cells, strict=True):
             length_m = np.linalg.norm(end - sensor)
             steps = np.arange(0.0, length_m, 0.3 * RESOLUTION_M)[:, None] / length_m
             through = np.unique(cells_of(sensor + steps * (end - sensor)))
@@ -242,17 +288,6 @@ def build_grid(poses, scans):
     return cells.reshape(height, width), origin
 
 
-def write_map(path, cells, origin, comment):
-    grey = np.array([254, 0, 205], np.uint8)[cells[::-1]]
-    header = f"P5\n{cells.shape[1]} {cells.shape[0]}\n255\n".encode()
-    path.with_suffix(".pgm").write_bytes(header + grey.tobytes())
-    path.with_suffix(".yaml").write_text(
-        f"# {comment}; see logs/README.md\n"
-        f"image: {path.stem}.pgm\nresolution: {RESOLUTION_M}\norigin: [{origin[0]:.3f}, {origin[1]:.3f}, 0.0]\n"
-        "negate: 0\noccupied_thresh: 0.65\nfree_thresh: 0.196\n"
-    )
-
-
 # ---- logs --------------------------------------------------------------------------------------------------------------
 
 
@@ -260,7 +295,7 @@ def write_log(path, scans, odometry):
     lines = ["# ROBOTLASER1 type start_angle fov resolution max_range accuracy remission_mode n ranges 0 "
              "laser_pose robot_pose tv rv forward side axis timestamp host logger_timestamp",
              "# From Debian's mrpt-common, BSD-3-Clause; see README.md beside this file."]
-    for scan, odom in zip(scans, odometry):
+    for scan, odom in zip(scans, odometry, strict=True):
         laser = compose(odom, scan.T_base_sensor)
         ranges = " ".join(f"{r:.2f}" for r in scan.ranges_m)
         poses = " ".join(f"{v:.6f}" for v in (*laser, *odom))
@@ -272,36 +307,15 @@ def write_log(path, scans, odometry):
 
 def write_tum(path, scans, poses, comment):
     rows = [f"# {comment}; see README.md beside this file", "# timestamp x y z qx qy qz qw"]
-    for scan, (x, y, theta) in zip(scans, poses):
+    for scan, (x, y, theta) in zip(scans, poses, strict=True):
         rows.append(f"{scan.stamp_s:.6f} {x:.6f} {y:.6f} 0 0 0 {np.sin(theta / 2):.9f} {np.cos(theta / 2):.9f}")
     path.write_text("\n".join(rows) + "\n")
 
 
-def draw(path, cells, origin, scans, poses, odometry):
-    import matplotlib
-
-    matplotlib.use("Agg")
-    import matplotlib.pyplot as plt
-
-    h, w = cells.shape
-    figure, axes = plt.subplots(2, 1, figsize=(20, 24))
-    dead = [compose(poses[0], relative(o, odometry[0])) for o in odometry]
-    for axis, track_, title in ((axes[0], np.array(dead), "odometry from the start pose"), (axes[1], poses, "reference")):
-        axis.imshow(np.array([1.0, 0.0, 0.7])[cells], cmap="gray", origin="lower",
-                    extent=(origin[0], origin[0] + w * RESOLUTION_M, origin[1], origin[1] + h * RESOLUTION_M))
-        for i, (scan, pose) in enumerate(zip(scans, track_)):
-            q = transform(pose, scan.points())
-            axis.plot(q[:, 0], q[:, 1], ".", ms=0.8, color=plt.cm.jet(i / len(scans)))
-        axis.plot(track_[:, 0], track_[:, 1], "r.-", lw=0.7, ms=3)
-        axis.set_title(title)
-    figure.tight_layout()
-    figure.savefig(path, dpi=70)
-
-
-def export(name, simplemap, rawlog, title, out, pictures):
-    keyframes = list(Stream(DATASETS / simplemap).objects())[0]
-    key_scans = [scan for _, scan in keyframes]
-    given = np.array([pose for pose, _ in keyframes])
+def export(name, simplemap, rawlog, title, out):
+    keyframes = Stream((DATASETS / simplemap).read_bytes()).read()
+    key_scans = [observation(scan) for _, scan in keyframes]
+    given = np.array([planar(pose) for pose, _ in keyframes])
     poses, before, after = refine_keyframes(given, key_scans)
     shift = np.linalg.norm((poses - given)[:, :2], axis=1)
     print(f"{name}: {len(poses)} key frames, residual {100 * before:.2f} -> {100 * after:.2f} cm, moved "
@@ -317,37 +331,35 @@ def export(name, simplemap, rawlog, title, out, pictures):
           f"residual {100 * residuals.mean():.2f} cm (most {100 * residuals.max():.2f})")
     repeat_m, repeat_rad = precision(cloud, scans, track_)
     print(f"{name}: from half the beams, the poses repeat to {100 * repeat_m:.2f} cm, {np.degrees(repeat_rad):.3f} degrees")
-    steps = [(relative(b, a), relative(v, u)) for a, b, u, v in zip(track_, track_[1:], odometry, odometry[1:])]
+    steps = [(relative(b, a), relative(v, u)) for (a, b), (u, v) in zip(pairwise(track_), pairwise(odometry), strict=True)]
     along = [np.hypot(*a[:2]) - np.hypot(*b[:2]) for a, b in steps]
     turn = [wrap(a[2] - b[2]) for a, b in steps]
     print(f"{name}: odometry per scan differs by {np.sqrt(np.mean(np.square(along))):.3f} m, "
           f"{np.degrees(np.sqrt(np.mean(np.square(turn)))):.2f} degrees RMS; at the end by "
           f"{np.round(relative(compose(start, odometry[-1]), track_[-1]), 3)}")
-    stamps = {round(s.stamp_s * 1e6): p for s, p in zip(key_scans, poses)}
-    same = [(p, stamps[round(s.stamp_s * 1e6)]) for s, p in zip(scans, track_) if round(s.stamp_s * 1e6) in stamps]
+    stamps = {round(s.stamp_s * 1e6): p for s, p in zip(key_scans, poses, strict=True)}
+    same = [(p, stamps[round(s.stamp_s * 1e6)]) for s, p in zip(scans, track_, strict=True)
+            if round(s.stamp_s * 1e6) in stamps]
     if same:
         off = [np.linalg.norm(a[:2] - b[:2]) for a, b in same]
         print(f"{name}: {len(same)} scans are key frames of the map; there the track differs from the map's own pose by "
               f"{100 * np.mean(off):.2f} cm, {100 * np.max(off):.2f} at most")
-    write_map(out / f"{name}.yaml", cells, origin, title)
+    write_map(out / f"{name}.yaml", Grid(*cells.shape[::-1], RESOLUTION_M, tuple(origin), cells.astype(np.uint8).tobytes()),
+              decimals=3, before=f"# {title}; see logs/README.md\n", mode="")
     write_log(out / "logs" / f"{name}.log.gz", scans, odometry)
     write_tum(out / "logs" / f"{name}.tum", scans, track_, "Reference: scans aligned to the map, not a survey")
     print(f"{name}: {cells.shape[1]} x {cells.shape[0]} cells, origin {origin}")
-    if pictures:
-        draw(pathlib.Path(pictures) / f"{name}.png", cells, origin, scans, track_, odometry)
 
 
 def main():
-    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
-    parser.add_argument("--out", type=pathlib.Path, default=pathlib.Path("maps"))
-    parser.add_argument("--pictures", help="a folder: draws the scans over the map there")
-    arguments = parser.parse_args()
-    (arguments.out / "logs").mkdir(parents=True, exist_ok=True)
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("--out", type=pathlib.Path, default=ROOT / "maps", help="folder for maps, with logs/ in it (maps)")
+    out = parser.parse_args().out
+    (out / "logs").mkdir(parents=True, exist_ok=True)
     export("malaga_corridor", "localization_demo.simplemap.gz", "localization_demo.rawlog",
-           "Corridor in Malaga, 19 January 2006", arguments.out, arguments.pictures)
-    export("malaga_faculty", "malaga-cs-fac-building.simplemap.gz",
-           "2006-01ENE-21-SENA_Telecom Faculty_one_loop_only.rawlog",
-           "Telecom Faculty in Malaga, 21 January 2006", arguments.out, arguments.pictures)
+           "Corridor in Malaga, 19 January 2006", out)
+    export("malaga_faculty", "malaga-cs-fac-building.simplemap.gz", "2006-01ENE-21-SENA_Telecom Faculty_one_loop_only.rawlog",
+           "Telecom Faculty in Malaga, 21 January 2006", out)
 
 
 if __name__ == "__main__":

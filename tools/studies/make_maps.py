@@ -12,14 +12,18 @@ are, which moves walls neither inwards nor outwards on average.
 """
 
 import math
-import pathlib
 import random
-import struct
-import zlib
 
-FREE, OCCUPIED, UNKNOWN = 254, 0, 205  # the trinary grey values of ROS map_saver
+from grids import FREE, OCCUPIED, UNKNOWN, grid_of, write_map
+from measuring import ROOT
+
 FINE_M, COARSE_M, RATIO = 0.01, 0.05, 5
-MAPS = pathlib.Path(__file__).resolve().parents[2] / "maps"
+
+
+def turned(x, y, angle_deg):
+    """Where (u, v) of something at (x, y) lies that is turned counter-clockwise."""
+    c, s = math.cos(math.radians(angle_deg)), math.sin(math.radians(angle_deg))
+    return lambda u, v: (x + c * u - s * v, y + s * u + c * v)
 
 
 class Floor:
@@ -37,7 +41,7 @@ class Floor:
         high = min(self.height - 1, math.ceil(max(y for _, y in points)))
         for row in range(low, high + 1):
             centre, crossings = row + 0.5, []
-            for (ax, ay), (bx, by) in zip(points, points[1:] + points[:1]):
+            for (ax, ay), (bx, by) in zip(points, points[1:] + points[:1], strict=True):
                 if (ay <= centre) != (by <= centre):
                     crossings.append(ax + (centre - ay) / (by - ay) * (bx - ax))
             if crossings:
@@ -54,9 +58,8 @@ class Floor:
 
     def box(self, x, y, length, depth, angle_deg=0.0, value=OCCUPIED):
         """A box around its centre (x, y), turned counter-clockwise."""
-        c, s = math.cos(math.radians(angle_deg)), math.sin(math.radians(angle_deg))
-        half = [(-length / 2, -depth / 2), (length / 2, -depth / 2), (length / 2, depth / 2), (-length / 2, depth / 2)]
-        self.polygon([(x + c * u - s * v, y + s * u + c * v) for u, v in half], value)
+        at, u, v = turned(x, y, angle_deg), length / 2, depth / 2
+        self.polygon([at(-u, -v), at(u, -v), at(u, v), at(-u, v)], value)
 
     def wall(self, x0, y0, x1, y1, thickness=0.12):
         """A straight wall along the segment, with square ends."""
@@ -84,48 +87,16 @@ class Floor:
             rows.append(row)
         return rows
 
-    def save(self, coarse_as_png=False):
-        write_png(MAPS / "fine" / f"{self.name}.png", self.rows[::-1])
-        write_yaml(MAPS / "fine" / f"{self.name}.yaml", f"{self.name}.png", FINE_M, self.origin)
-        coarse = self.coarse_rows()
-        image = f"{self.name}.png" if coarse_as_png else f"{self.name}.pgm"
-        (write_png if coarse_as_png else write_pgm)(MAPS / image, coarse[::-1])
-        write_yaml(MAPS / f"{self.name}.yaml", image, COARSE_M, self.origin)
-        report(self.name, coarse)
+    def save(self, image=".pgm"):
+        write_map(ROOT / f"maps/fine/{self.name}.yaml", grid_of(self.rows, FINE_M, self.origin), ".png")
+        save_coarse(self.name, self.coarse_rows(), self.origin, image)
 
 
-# ---- files ----------------------------------------------------------------------------------------------------------
-def write_pgm(path, rows):
-    path.write_bytes(f"P5\n{len(rows[0])} {len(rows)}\n255\n".encode() + b"".join(rows))
-
-
-def write_png(path, rows, channels=1):
-    """8-bit grey (or RGB) PNG; the `up` filter turns unchanged rows into zeros, so a floor plan is small."""
-
-    def chunk(kind, data):
-        return struct.pack(">I", len(data)) + kind + data + struct.pack(">I", zlib.crc32(kind + data))
-
-    raw, above = bytearray(), bytes(len(rows[0]))
-    for row in rows:
-        raw += b"\x02" + bytes(a - b & 255 for a, b in zip(row, above)) if row != above else b"\x02" + bytes(len(row))
-        above = row
-    header = struct.pack(">IIBBBBB", len(rows[0]) // channels, len(rows), 8, 2 if channels == 3 else 0, 0, 0, 0)
-    path.parent.mkdir(parents=True, exist_ok=True)
-    path.write_bytes(b"\x89PNG\r\n\x1a\n" + chunk(b"IHDR", header) + chunk(b"IDAT", zlib.compress(bytes(raw), 9)) +
-                     chunk(b"IEND", b""))
-
-
-def write_yaml(path, image, resolution, origin):
-    path.write_text(f"image: {image}\nmode: trinary\nresolution: {resolution}\n"
-                    f"origin: [{origin[0]:.2f}, {origin[1]:.2f}, 0.0]\n"
-                    "negate: 0\noccupied_thresh: 0.65\nfree_thresh: 0.196\n")
-
-
-def report(name, rows):
-    total = sum(map(len, rows))
-    occupied = sum(r.count(OCCUPIED) for r in rows) / total
-    free_m2 = sum(r.count(FREE) for r in rows) * COARSE_M ** 2
-    print(f"{name}: {len(rows[0])} x {len(rows)} cells, {100 * occupied:.2f} % occupied, {free_m2:.0f} m2 free")
+def save_coarse(name, rows, origin=(0.0, 0.0), image=".pgm"):
+    grid = grid_of(rows, COARSE_M, origin)
+    write_map(ROOT / f"maps/{name}.yaml", grid, image)
+    occupied, free_m2 = grid.cells.count(OCCUPIED) / len(grid.cells), grid.cells.count(FREE) * COARSE_M ** 2
+    print(f"{name}: {grid.width} x {grid.height} cells, {100 * occupied:.2f} % occupied, {free_m2:.0f} m2 free")
 
 
 # ---- the hall: 20 x 10 m --------------------------------------------------------------------------------------------
@@ -174,7 +145,7 @@ DOOR_M = 0.96
 def wall_with_doors(floor, fixed, start, end, doors, vertical, thickness=THIN):
     """An axis-parallel wall at x (vertical) or y = `fixed`, with door openings centred at `doors`."""
     edges = [start] + [e for d in sorted(doors) for e in (d - DOOR_M / 2, d + DOOR_M / 2)] + [end]
-    for a, b in zip(edges[::2], edges[1::2]):
+    for a, b in zip(edges[::2], edges[1::2], strict=True):
         if vertical:
             floor.rect(fixed - thickness / 2, a, fixed + thickness / 2, b)
         else:
@@ -183,17 +154,12 @@ def wall_with_doors(floor, fixed, start, end, doors, vertical, thickness=THIN):
 
 def door_leaf(floor, hinge_x, hinge_y, angle_deg):
     """An open door: a leaf 6 cm thick from its hinge."""
-    c, s = math.cos(math.radians(angle_deg)), math.sin(math.radians(angle_deg))
-    floor.box(hinge_x + 0.45 * c, hinge_y + 0.45 * s, 0.90, 0.06, angle_deg)
+    floor.box(*turned(hinge_x, hinge_y, angle_deg)(0.45, 0.0), 0.90, 0.06, angle_deg)
 
 
 def desk(floor, x, y, angle_deg=0.0):
     """A desk as a LiDAR at knee height sees it: two legs on one side, a drawer unit on the other, a chair's base."""
-    c, s = math.cos(math.radians(angle_deg)), math.sin(math.radians(angle_deg))
-
-    def at(u, v):
-        return x + c * u - s * v, y + s * u + c * v
-
+    at = turned(x, y, angle_deg)
     for u, v in ((-0.73, -0.32), (-0.73, 0.32)):
         floor.box(*at(u, v), 0.09, 0.09, angle_deg)
     floor.box(*at(0.54, 0.03), 0.43, 0.61, angle_deg)
@@ -202,14 +168,14 @@ def desk(floor, x, y, angle_deg=0.0):
 
 def table(floor, x, y, length, depth, angle_deg=0.0, chairs=0):
     """A meeting table: four legs, and chairs' bases along both long sides."""
-    c, s = math.cos(math.radians(angle_deg)), math.sin(math.radians(angle_deg))
+    at = turned(x, y, angle_deg)
     for u in (-length / 2 + 0.12, length / 2 - 0.12):
         for v in (-depth / 2 + 0.1, depth / 2 - 0.1):
-            floor.box(x + c * u - s * v, y + s * u + c * v, 0.1, 0.1, angle_deg)
+            floor.box(*at(u, v), 0.1, 0.1, angle_deg)
     for k in range(chairs):
         u = (k + 0.5) * length / chairs - length / 2
         for v in (-depth / 2 - 0.28, depth / 2 + 0.28):
-            floor.disc(x + c * u - s * v, y + s * u + c * v, 0.17)
+            floor.disc(*at(u, v), 0.17)
 
 
 def south_rooms(floor):
@@ -220,7 +186,7 @@ def south_rooms(floor):
     lefts, rights = [0.237] + walls, walls + [52.163]
     doors = [left + 1.17 for left in lefts[:5]] + [26.437, 29.118, 32.663, 37.482, 41.538, 45.263, 50.417]
     wall_with_doors(floor, 7.334, 0.2, 52.2, doors, vertical=False)
-    for left, right in list(zip(lefts, rights))[:5]:
+    for left, right in list(zip(lefts, rights, strict=True))[:5]:
         desk(floor, right - 1.347, 1.263, 180.0)
         desk(floor, right - 1.347, 4.462)
         floor.box(left + 0.33, 3.217, 0.44, 1.68)
@@ -403,15 +369,12 @@ def works():
                 floor.rect(left, top, right, top + THIN)
         for _ in range(9):
             floor.box(1.0 + draw() * (width - 2.0), low + deep + 0.3, 0.5 + draw(), 0.4)
-    floor.save(coarse_as_png=True)
+    floor.save(image=".png")
 
 
 def empty():
     """The worst case of Paz et al. 2012: no ray ends within its range. 800 x 600 free cells of 5 cm."""
-    rows = [bytes([FREE]) * 800] * 600
-    write_pgm(MAPS / "empty.pgm", rows)
-    write_yaml(MAPS / "empty.yaml", "empty.pgm", COARSE_M, (0.0, 0.0))
-    report("empty", rows)
+    save_coarse("empty", [bytes([FREE]) * 800] * 600)
 
 
 if __name__ == "__main__":

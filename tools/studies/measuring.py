@@ -1,12 +1,9 @@
-"""What the tools share that measure the program: running it, saying where, writing pages, and their command line."""
+"""How every study measures: the programs that it runs, several runs at a time, and its command line. Needs Python 3.10."""
 
 import argparse
 import concurrent.futures
-import datetime
-import json
 import os
 import pathlib
-import platform
 import re
 import signal
 import subprocess
@@ -27,30 +24,34 @@ class Failure(Exception):
         self.code = code
 
 
-# ---- Running the program -----------------------------------------------------------------------------------------------
+# ---- Running programs --------------------------------------------------------------------------------------------------
 
 
 class Program:
-    """Runs parloc; stop() ends all runs in progress and refuses new ones."""
+    """Runs a program; stop() ends all runs in progress and refuses new ones."""
 
-    def __init__(self, path):
-        self.path = pathlib.Path(path)
+    def __init__(self, path, timeout_s=None):
+        self.path, self.timeout_s = pathlib.Path(path), timeout_s
         self.lock, self.running, self.stopped = threading.Lock(), set(), False
         if not os.access(self.path, os.X_OK) or self.path.is_dir():
             raise Failure(2, f"{self.path}: expected the parloc program; build it (cmake --preset cpu && cmake --build "
                              "--preset cpu) or give --parloc")
 
-    def __call__(self, *arguments):
+    def __call__(self, *arguments, environment=None):
         command = [str(self.path), *map(str, arguments)]
         with self.lock:
             if self.stopped:
                 raise Failure(130, "interrupted")
             # Its own session: Ctrl-C at the terminal reaches this script only, which then ends the runs itself.
-            process = subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True, cwd=ROOT,
+            process = subprocess.Popen(command, stdin=subprocess.DEVNULL, stdout=subprocess.PIPE, stderr=subprocess.PIPE,
+                                       text=True, errors="replace", cwd=ROOT, env={**os.environ, **(environment or {})},
                                        start_new_session=True)
             self.running.add(process)
         try:
-            out, err = process.communicate()
+            out, err = process.communicate(timeout=self.timeout_s)
+        except subprocess.TimeoutExpired:
+            process.kill()
+            raise Failure(3, f"{self.path} took longer than {self.timeout_s} s") from None
         except BaseException:
             process.kill()
             raise
@@ -58,7 +59,8 @@ class Program:
             with self.lock:
                 self.running.discard(process)
         if process.returncode != 0:
-            last = (err.strip().splitlines() or ["no message"])[-1]
+            message = re.search(r"^\s*Message:\s*(.+)", out + err, re.MULTILINE)  # how MRPT words it
+            last = message[1] if message else (err.strip().splitlines() or ["no message"])[-1]
             raise Failure(130 if self.stopped else 3, f"exit code {process.returncode} of {' '.join(command)}: {last}")
         return out
 
@@ -69,144 +71,32 @@ class Program:
                 process.kill()
 
 
-def measure(program, jobs, tasks, text_of):
-    """The results of tasks [(key, function)] by key, `jobs` at a time, and how it ended: None or a Failure."""
-    results, end = {}, None
-    pool = concurrent.futures.ThreadPoolExecutor(jobs)
-    try:
-        futures = {pool.submit(function): key for key, function in tasks}
-        for future in concurrent.futures.as_completed(futures):
-            key = futures[future]
-            results[key] = future.result()
-            print(f"[{len(results):3}/{len(tasks)}] {text_of(key, results[key])}", file=sys.stderr, flush=True)
-    except (KeyboardInterrupt, Failure) as stop:
-        end = stop if isinstance(stop, Failure) else Failure(130, "interrupted")
-        program.stop()
-    pool.shutdown(cancel_futures=True)
-    return {key: results[key] for key, _ in tasks if key in results}, end
+class Bench:
+    """What a study works with: its options, the program, and a folder for what is of no use afterwards."""
 
+    def __init__(self, args, folder):
+        self.args, self.folder = args, folder
+        self.program = Program(args.parloc)
+        args.out.mkdir(parents=True, exist_ok=True)
+        if not os.access(args.out, os.W_OK):
+            raise Failure(2, f"{args.out}: expected a folder that can be written")
 
-# ---- Where and how it was measured -------------------------------------------------------------------------------------
-
-
-def git(*arguments):
-    try:
-        return subprocess.run(["git", *arguments], cwd=ROOT, check=True, capture_output=True, text=True).stdout.strip()
-    except (OSError, subprocess.CalledProcessError):
-        return None
-
-
-def commit():
-    """The commit of this tree; -dirty if a file that git knows differs from it."""
-    short = git("rev-parse", "--short", "HEAD")
-    if short is None:
-        return "unknown (no git repository)"
-    return short + ("-dirty" if git("--no-optional-locks", "status", "--porcelain", "--untracked-files=no") else "")
-
-
-def cpu_model():
-    try:
-        found = re.search(r"^model name\s*:\s*(.+)$", open("/proc/cpuinfo").read(), re.MULTILINE)
-    except OSError:
-        found = None
-    return found[1] if found else platform.processor() or platform.machine()
-
-
-def operating_system():
-    try:
-        return platform.freedesktop_os_release()["PRETTY_NAME"]
-    except (OSError, KeyError):
-        return platform.platform()
-
-
-def compiler(build):
-    """Compiler and build type from CMake's files in the program's folder, if it lies in its build folder."""
-    try:
-        rules = next(build.glob("CMakeFiles/*/CMakeCXXCompiler.cmake")).read_text()
-        cache = (build / "CMakeCache.txt").read_text()
-    except (StopIteration, OSError):
-        return "unknown (the program does not lie in its build folder)"
-    names = [re.search(pattern, text, re.MULTILINE) for pattern, text in (
-        (r'^set\(CMAKE_CXX_COMPILER_ID "(.*)"\)', rules), (r'^set\(CMAKE_CXX_COMPILER_VERSION "(.*)"\)', rules),
-        (r"^CMAKE_BUILD_TYPE:\w+=(.*)$", cache))]
-    return " ".join(name[1] for name in names if name)
-
-
-def circumstances(program):
-    return {
-        "command": " ".join([f"tools/{pathlib.Path(sys.argv[0]).name}", *sys.argv[1:]]),
-        "date": datetime.datetime.now(datetime.timezone.utc).strftime("%Y-%m-%d"),
-        "commit": commit(),
-        "program": program("--version").strip(),
-        "compiler": compiler(program.path.resolve().parent),
-        "machine": f"{cpu_model()}, {os.cpu_count()} cores",
-        "system": operating_system(),
-    }
-
-
-# ---- Pages -------------------------------------------------------------------------------------------------------------
-
-
-def table(header, rows):
-    lines = ["| " + " | ".join(header) + " |", "|" + "---|" * len(header)]
-    return "\n".join(lines + ["| " + " | ".join(row) + " |" for row in rows])
-
-
-def circumstances_text(record):
-    rows = [(key, f"`{record[key]}`" if key == "command" else record[key])
-            for key in ("command", "date", "commit", "program", "compiler", "machine", "system", "backend")]
-    return "## Where and when\n\n" + table(("", ""), rows)
-
-
-def first_lines(title, record):
-    """Title, a warning if partial, and how many runs kept their bars."""
-    judged = [run for run in record["runs"] if "within_bars" in run]
-    good = sum(run["within_bars"] for run in judged)
-    text = f"# {title}\n"
-    if record["partial"]:
-        text += (f"\n**Partial: ended after {len(record['runs'])} of {record['runs_planned']} runs "
-                 f"({record['ended_by']}).**\n")
-    if not judged:
-        return text
-    which = "runs" if len(judged) == len(record["runs"]) else "runs on logs that have bars"
-    return text + (f"\nAll {good}" if good == len(judged) else f"\n**{good} of {len(judged)}**") + f" {which} are within all bars.\n"
-
-
-def json_text(record):
-    """The record with one line per run."""
-    head = json.dumps({key: value for key, value in record.items() if key != "runs"}, indent=1)
-    runs = ",\n  ".join(map(json.dumps, record["runs"]))
-    return f'{head[:-2]},\n "runs": [\n  {runs}\n ]\n}}\n'
-
-
-def write_results(folder, name, record, text):
-    """NAME.md and NAME.json; a partial result gets its own name so that it replaces no complete one."""
-    stem = name + (".partial" if record["partial"] else "")
-    for suffix, content in ((".json", json_text(record)), (".md", text.rstrip() + "\n")):
-        path = folder / (stem + suffix)
-        draft = path.with_name(path.name + ".tmp")
-        draft.write_text(content)
-        draft.replace(path)
-        print(path, file=sys.stderr)
-
-
-def within(values, bars):
-    return all(values[key] <= bar for key, bar in bars.items())
-
-
-def finish(args, name, program_record, planned, results, end, page):
-    """Writes what there is, and gives the exit code."""
-    runs = list(results.values())
-    if not runs:
-        raise end
-    backends, configs = {run.pop("backend") for run in runs}, [run.pop("config") for run in runs]
-    record = {"partial": end is not None, "ended_by": str(end) if end else None, "runs_planned": planned,
-              **program_record, "backend": ", ".join(sorted(backends)),
-              "config": {key: value for key, value in configs[0].items() if key != "seed"}, "runs": runs}
-    write_results(args.out, name, record, page(record))
-    if end:
-        raise end
-    return 0 if all(run.get("within_bars", True) for run in runs) else 1
+    def measure(self, tasks, text_of, *programs):
+        """The results of tasks {key: function} in that order, --jobs at a time, and how it ended: None or a Failure."""
+        results, end = {}, None
+        pool = concurrent.futures.ThreadPoolExecutor(getattr(self.args, "jobs", 1))
+        try:
+            futures = {pool.submit(function): key for key, function in tasks.items()}
+            for future in concurrent.futures.as_completed(futures):
+                key = futures[future]
+                results[key] = future.result()
+                print(f"[{len(results):3}/{len(tasks)}] {text_of(key, results[key])}", file=sys.stderr, flush=True)
+        except (KeyboardInterrupt, Failure) as stop:
+            end = stop if isinstance(stop, Failure) else Failure(130, "interrupted")
+            for program in (self.program, *programs):
+                program.stop()
+        pool.shutdown(cancel_futures=True)
+        return {key: results[key] for key in tasks if key in results}, end
 
 
 # ---- Command line ------------------------------------------------------------------------------------------------------
@@ -218,19 +108,47 @@ def positive(text):
     return int(text)
 
 
-def add_arguments(parser, jobs="runs at a time", all_cores=False):
-    """--jobs, --out and --parloc, which every tool has that runs parloc."""
-    parser.add_argument("--jobs", type=positive, default=os.cpu_count() if all_cores else 1, metavar="K",
-                        help=f"{jobs} ({'all cores' if all_cores else 1})")
-    parser.add_argument("--out", type=pathlib.Path, default=OUT, metavar="DIR", help="folder for the results (docs/results)")
-    parser.add_argument("--parloc", type=pathlib.Path, default=ROOT / "build/cpu/parloc", metavar="FILE",
-                        help="the program (build/cpu/parloc)")
+def option(flag, default, text, **keywords):
+    """For a study's command line; `text` ends with the default if that can be shown."""
+    shown = f" ({default})" if isinstance(default, (str, int, float)) and default else ""
+    return flag, {"default": default, "help": text + shown, **keywords}
 
 
-def parse(parser):
-    """With absolute paths: programs run in the repository's folder."""
-    args = parser.parse_args()
-    for name, value in vars(args).items():
+def count(flag, default, text, **keywords):
+    return option(flag, default, text, type=positive, metavar="N", **keywords)
+
+
+def path(flag, default, text, metavar="DIR"):
+    return option(flag, default, text, type=pathlib.Path, metavar=metavar)
+
+
+def subset(flag, names, text, metavar):
+    """Some of the names; all by default."""
+    return option(flag, list(names), f"{text}: of {', '.join(names)} (all)", nargs="+", choices=list(names), metavar=metavar)
+
+
+JOBS = count("--jobs", 1, "runs at a time")
+LOGS_FOLDER = path("--data", DATA, "folder of the recorded logs (PARLOC_DATA, else ../shared/data)")
+COMMON = (path("--out", OUT, "folder for the results (docs/results)"),
+          path("--parloc", ROOT / "build/cpu/parloc", "the program (build/cpu/parloc)", "FILE"))
+
+
+ENDS = """Exit code: 0 all is well and every bar kept, 1 a bar missed, 2 wrong usage or a missing or broken file, 3 a run of a
+program failed, 130 interrupted: what is finished is kept, where a page can be made of it as NAME.partial.*, beside an earlier
+page."""
+
+
+def parse(description, commands, arguments=None):
+    parser = argparse.ArgumentParser(description=description, epilog=ENDS, formatter_class=argparse.RawDescriptionHelpFormatter)
+    names = "|".join(run.__name__ for run in commands)
+    choices = parser.add_subparsers(required=True, metavar=names) if len(commands) > 1 else None
+    for run, options in commands.items():
+        command = choices.add_parser(run.__name__, help=run.__doc__, description=run.__doc__) if choices else parser
+        command.set_defaults(run=run)
+        for flag, keywords in options:
+            command.add_argument(flag, **keywords)
+    args = parser.parse_args(arguments)
+    for name, value in vars(args).items():  # programs run in the repository's folder
         if isinstance(value, pathlib.Path):
             setattr(args, name, value.absolute())
     return args
@@ -240,35 +158,30 @@ def interrupt(*_):
     raise KeyboardInterrupt
 
 
-def reported(name, work):
-    """work(), with one line and an exit code for what goes wrong; the same for every tool."""
+def reported(work):
+    """What work() returns, with one line and an exit code for what goes wrong."""
+    name = pathlib.Path(sys.argv[0]).name
     signal.signal(signal.SIGTERM, interrupt)
     try:
         return work()
     except Failure as failure:
-        print(f"{name}.py: {failure}", file=sys.stderr)
+        print(f"{name}: {failure}", file=sys.stderr)
         return failure.code
     except KeyboardInterrupt:
-        print(f"{name}.py: interrupted", file=sys.stderr)
+        print(f"{name}: interrupted", file=sys.stderr)
         return 130
     except OSError as error:
-        print(f"{name}.py: {error}", file=sys.stderr)
+        print(f"{name}: {error}", file=sys.stderr)
         return 2
 
 
-def program_and_folder(args):
-    """The program, once it is known that its results can be written."""
-    program = Program(args.parloc)
-    args.out.mkdir(parents=True, exist_ok=True)
-    if not os.access(args.out, os.W_OK):
-        raise Failure(2, f"{args.out}: expected a folder that can be written")
-    return program
-
-
-def run_tool(name, args, run):
-    """run(args, program, work folder)."""
+def study(description, commands, check=None):
+    """The exit code of a study: commands {run: its options}, of which the command line names one if there are several.
+    check(args) refuses what does not fit together, run(bench) measures, writes, and says the code."""
     def work():
-        program = program_and_folder(args)
-        with tempfile.TemporaryDirectory(prefix=f"parloc_{name}_") as folder:
-            return run(args, program, pathlib.Path(folder))
-    return reported(name, work)
+        args = parse(description, {run: (*options, *COMMON) for run, options in commands.items()})
+        if check:
+            check(args)
+        with tempfile.TemporaryDirectory(prefix="parloc_") as folder:
+            return args.run(Bench(args, pathlib.Path(folder)))
+    return reported(work)

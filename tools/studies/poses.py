@@ -12,6 +12,7 @@ def compose(a, b):
     return a[0] + c * b[0] - s * b[1], a[1] + s * b[0] + c * b[1], wrap(a[2] + b[2])
 
 
-def inverse(a):
-    s, c = math.sin(a[2]), math.cos(a[2])
-    return -c * a[0] - s * a[1], s * a[0] - c * a[1], -a[2]
+def relative(a, b):
+    """Pose a seen from pose b."""
+    s, c, dx, dy = math.sin(b[2]), math.cos(b[2]), a[0] - b[0], a[1] - b[1]
+    return c * dx + s * dy, -s * dx + c * dy, wrap(a[2] - b[2])

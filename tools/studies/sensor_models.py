@@ -1,74 +1,48 @@
 #!/usr/bin/env python3
-"""Measures the sensor models of `parloc run` on simulated logs and writes a page (Markdown) with all values beside it
-(JSON).
+"""Measures the sensor models of `parloc run` on simulated logs and writes a page (Markdown) with all values beside it (JSON).
 
-    tools/studies/sensor_models.py nees      whether each model's covariance says how far off the filter is, and how the number of
-                                     effective beams was chosen
+    tools/studies/sensor_models.py nees      whether each model's covariance says how far off the filter is, and how the
+                                             number of effective beams was chosen
     tools/studies/sensor_models.py clutter   tracking among people and boxes that are not on the map
-
-Needs Python 3.10 and a built program, nothing else; runs are deterministic. Exit codes as those of tools/studies/accuracy.py.
 """
 
-import argparse
-import math
+import statistics
 import sys
+from functools import partial
 
 import measuring
-import track_errors
-from measuring import table
+from measuring import JOBS, count
+from pages import average, circumstances_text, first_lines, mean, share_of, study, table, table_of_groups, where, worst
+from runs import FILTER_ALONE, common_values, files_of, localize, simulate, yaml_text
 
-OFFICE = ("configs/office_scenario.yaml", "maps/office.yaml")
-CLUTTER = ("configs/office_clutter_scenario.yaml", "maps/office.yaml")
-HALL = ("configs/paz2012_scenario.yaml", "maps/hall_obstacles.yaml")
-SCENES = {"office": OFFICE, "clutter": CLUTTER, "hall": HALL}
+SCENES = {"office": ("configs/office_scenario.yaml", "maps/office.yaml"),
+          "clutter": ("configs/office_clutter_scenario.yaml", "maps/office.yaml"),
+          "hall": ("configs/paz2012_scenario.yaml", "maps/hall_obstacles.yaml")}
 
 PLAIN = "gaussian, plain product"  # the 2012 paper's: S1
 MODELS = ("likelihood_field", "likelihood_field_prob", "beam", "class_conditional", "gaussian", "s5")
 SWEEP = {"likelihood_field": (3, 6, 9, 15, 30), "beam": (2, 4, 6, 10, 30), "gaussian": (0.2, 0.4, 1, 3, 30)}
 # 2.5 % and 97.5 % points of chi-square with 3 S degrees of freedom, over S: bounds of the mean NEES of S runs.
 CHI_SQUARE = {5: (6.2621, 27.4884), 10: (16.7908, 46.9792), 20: (40.4817, 83.2977)}
-RIGHT_NEES = 3.0
 CLUTTER_BAR = 2.0  # times the clean error
 
 
-def sensor_yaml(settings):
-    return "sensor:\n" + "".join(f"  {key}: {value}\n" for key, value in settings.items())
+def simulated(bench, scene, seed):
+    """The share of the beams that hit what is not on the map, in percent."""
+    _, text = simulate(bench, SCENES[scene][0], seed, f"{scene}_{seed}")
+    return next((float(line.split()[1]) for line in text.splitlines() if line.startswith("clutter")), 0.0)
 
 
-def settings_of(model):
-    return {"model": "gaussian", "sigma_hit": 0.1, "tempering": 1} if model == PLAIN else {"model": model}
-
-
-class Bench:
-    """Simulated logs in a folder, made when first asked for; runs on them."""
-
-    def __init__(self, program, work):
-        self.program, self.work = program, work
-
-    def simulate(self, scene, seed):
-        out = self.work / f"{scene}_{seed}"
-        text = self.program("simulate", "--scenario", SCENES[scene][0], "--seed", seed, "--out", out)
-        shares = [float(line.split()[1]) for line in text.splitlines() if line.startswith("clutter")]
-        return shares[0] if shares else 0.0
-
-    def run(self, scene, seed, label, settings):
-        log = self.work / f"{scene}_{seed}"
-        name = f"{scene}_{seed}_{label}".replace(" ", "_").replace(",", "")
-        config = self.work / f"{name}.yaml"
-        config.write_text(sensor_yaml(settings) + track_errors.FILTER_ALONE)
-        metrics, _, _ = track_errors.localize(self.program, self.work, name, [
-            "--map", SCENES[scene][1], "--log", log / "scans.log", "--truth", log / "truth.tum", "--config", config,
-            "--seed", seed])
-        nees = metrics["nees"]
-        return {"scene": scene, "seed": seed, "model": label, "settings": settings,
-                "effective_beams": metrics["config"]["sensor"]["effective_beams"],
-                **track_errors.common_values(metrics), "nees_mean": nees["mean"], "nees_median": nees["median"],
-                "nees_within_95": nees["within_95"], "nees_x": nees["x_mean"], "nees_y": nees["y_mean"],
-                "nees_heading": nees["heading_mean"], "backend": metrics["backend"], "config": metrics["config"]}
-
-
-def mean(runs, key):
-    return sum(run[key] for run in runs) / len(runs)
+def model_run(bench, scene, seed, label, settings):
+    log = f"{scene}_{seed}"
+    metrics, _, _ = localize(bench, f"{log}_{label}", seed, files_of(SCENES[scene][1], bench.folder / log),
+                             yaml_text({"sensor": settings, **FILTER_ALONE}))
+    nees = metrics["nees"]
+    return {"scene": scene, "seed": seed, "model": label, "settings": settings,
+            "effective_beams": metrics["config"]["sensor"]["effective_beams"],
+            **common_values(metrics), "nees_mean": nees["mean"], "nees_median": nees["median"],
+            "nees_within_95": nees["within_95"], "nees_x": nees["x_mean"], "nees_y": nees["y_mean"],
+            "nees_heading": nees["heading_mean"], "backend": metrics["backend"], "config": metrics["config"]}
 
 
 def number(value):
@@ -106,63 +80,66 @@ than in the hall, so that it is careful there. The bounds are those of the table
 - Means of hundreds and more are those of a few steps whose covariance is next to nothing: too many effective beams leave too few
   particles.
 - The mean is over all scans of a run, which are not independent; the bounds hold for one time step of {seeds} runs.
-"""
+"""  # noqa: E501
 
 
-def nees_rows(runs, keys, seeds):
-    low, high = (bound / seeds for bound in CHI_SQUARE[seeds]) if seeds in CHI_SQUARE else (math.nan, math.nan)
-    rows = []
-    for scene, model, beams in keys:
-        group = [r for r in runs if (r["scene"], r["model"], r["effective_beams"]) == (scene, model, beams)]
-        if not group:
-            continue
-        nees = mean(group, "nees_mean")
-        verdict = "yes" if low <= nees <= high else "careful" if nees < low else "over-confident"
-        rows.append((scene, model, f"{beams:g}", number(nees), number(mean(group, "nees_median")),
-                     f"{100 * mean(group, 'nees_within_95'):.0f} %",
-                     " / ".join(number(mean(group, key)) for key in ("nees_x", "nees_y", "nees_heading")),
-                     f"{100 * mean(group, 'rmse_m'):.1f} cm", verdict))
-    return rows
+def bounds_of(seeds):
+    return tuple(bound / seeds for bound in CHI_SQUARE[seeds])
 
 
-NEES_HEADER = ("scene", "model", "effective beams", "mean NEES", "median (2.37 is right)", "below 7.81 (95 % is right)",
-               "x / y / heading alone", "RMSE", "mean within the bounds")
+def nees_table(runs, seeds):
+    low, high = bounds_of(seeds)
+    keys = sorted({(r["scene"], r["model"], r["effective_beams"]) for r in runs},
+                  key=lambda k: (-ord(k[0][0]), MODELS.index(k[1]), k[2]))
+    groups = {(scene, model, f"{beams:g}"): where(runs, scene=scene, model=model, effective_beams=beams)
+              for scene, model, beams in keys}
+
+    def verdict(group):
+        value = mean(group, "nees_mean")
+        return "yes" if low <= value <= high else "careful" if value < low else "over-confident"
+
+    return table_of_groups(("scene", "model", "effective beams"), groups, {
+        "mean NEES": lambda group: number(mean(group, "nees_mean")),
+        "median (2.37 is right)": lambda group: number(mean(group, "nees_median")),
+        "below 7.81 (95 % is right)": average("nees_within_95", 0, 100, " %"),
+        "x / y / heading alone": lambda group: " / ".join(
+            number(mean(group, key)) for key in ("nees_x", "nees_y", "nees_heading")),
+        "RMSE": average("rmse_m", 1, 100, " cm"), "mean within the bounds": verdict})
 
 
-def nees(args, program, work):
-    bench, seeds, sweep_seeds = Bench(program, work), args.seeds, min(args.seeds, args.sweep_seeds)
-    for seed in range(1, seeds + 1):
-        for scene in ("office", "hall"):
-            bench.simulate(scene, seed)
-    tasks = []
+def swept_run(bench, scene, seed, model, beams):
+    settings = {"model": model, "effective_beams": beams}
+    return {**model_run(bench, scene, seed, f"{model}_{beams}", settings), "model": model, "sweep": True}
+
+
+def nees(bench):
+    """NEES of each model"""
+    seeds, sweep_seeds = bench.args.seeds, min(bench.args.seeds, bench.args.sweep_seeds)
+    tasks = {}
     for scene in ("office", "hall"):
         for seed in range(1, seeds + 1):
-            tasks += [((scene, model, "default", seed), lambda s=scene, k=seed, m=model: bench.run(s, k, m, {"model": m}))
-                      for model in MODELS]
-        for seed in range(1, sweep_seeds + 1):
-            for model, numbers in SWEEP.items():
-                tasks += [((scene, model, beams, seed), lambda s=scene, k=seed, m=model, b=beams: {
-                    **bench.run(s, k, f"{m}_{b}", {"model": m, "effective_beams": b}), "model": m, "sweep": True})
-                    for beams in numbers]
-    where = measuring.circumstances(program)  # before a break, after which nothing is run any more
-    results, end = measuring.measure(program, args.jobs, tasks, lambda key, run: (
-        f"{key}: NEES {number(run['nees_mean'])}, RMSE {100 * run['rmse_m']:.1f} cm"))
-    low, high = (bound / seeds for bound in CHI_SQUARE[seeds])
+            simulated(bench, scene, seed)
+            tasks |= {(scene, model, "default", seed): partial(model_run, bench, scene, seed, model, {"model": model})
+                      for model in MODELS}
+        tasks |= {(scene, model, beams, seed): partial(swept_run, bench, scene, seed, model, beams)
+                  for seed in range(1, sweep_seeds + 1) for model, numbers in SWEEP.items() for beams in numbers}
 
     def page(record):
-        own = [run for run in record["runs"] if not run.get("sweep")]
-        swept = [run for run in record["runs"] if run.get("sweep")]
-        keys = lambda runs: sorted({(r["scene"], r["model"], r["effective_beams"]) for r in runs},
-                                   key=lambda k: (-ord(k[0][0]), MODELS.index(k[1]), k[2]))
-        return measuring.first_lines("Whether the covariance says how far off the filter is (NEES)", record) + NEES_TEXT.format(
-            seeds=seeds, sweep_seeds=sweep_seeds, low=low, high=high,
-            defaults=table(NEES_HEADER, nees_rows(own, keys(own), seeds)),
-            sweep=table(NEES_HEADER, nees_rows(swept, keys(swept), seeds))) + "\n" + measuring.circumstances_text(record)
+        low, high = bounds_of(seeds)
+        own, swept = ([run for run in record["runs"] if run.get("sweep", False) == sweep] for sweep in (False, True))
+        return first_lines("Whether the covariance says how far off the filter is (NEES)", record) + NEES_TEXT.format(
+            seeds=seeds, sweep_seeds=sweep_seeds, low=low, high=high, defaults=nees_table(own, seeds),
+            sweep=nees_table(swept, seeds)) + "\n" + circumstances_text(record)
 
-    return measuring.finish(args, "nees", where, len(tasks), results, end, page)
+    return study(bench, "nees", tasks, lambda key, run: (
+        f"{key}: NEES {number(run['nees_mean'])}, RMSE {100 * run['rmse_m']:.1f} cm"), page)
 
 
 # ---- clutter -------------------------------------------------------------------------------------------------------------
+
+def settings_of(model):
+    return {"model": "gaussian", "sigma_hit": 0.1, "tempering": 1} if model == PLAIN else {"model": model}
+
 
 CLUTTER_MODELS = (PLAIN, "beam", "class_conditional", "likelihood_field_prob")
 MUST_TRACK = "class_conditional"  # in every seed
@@ -185,78 +162,63 @@ seeds 1 to 3 give 3.5, 3.3 and 3.8 cm instead of 4.7, 4.7 and 5.9 cm (measured a
 RMSE of the position among people, and in brackets without them [cm]:
 
 {every}
-"""
+"""  # noqa: E501
 
 
-def clutter(args, program, work):
-    bench, seeds = Bench(program, work), range(1, args.seeds + 1)
+def clutter_summary(runs):
+    groups = {(model,): [r for r in where(runs, model=model) if "times_clean" in r] for model in CLUTTER_MODELS}
+
+    def cleans(group):
+        return [where(runs, model=r["model"], scene="office", seed=r["seed"])[0] for r in group]
+
+    return table_of_groups(("model",), {model: group for model, group in groups.items() if group}, {
+        "tracked": lambda group: share_of(group, lambda r: r["times_clean"] < CLUTTER_BAR),
+        "mean RMSE, clean": lambda group: average("rmse_m", 1, 100, " cm")(cleans(group)),
+        "median RMSE": lambda group: f"{100 * statistics.median_high(r['rmse_m'] for r in group):.1f} cm",
+        "worst RMSE": worst("rmse_m", 1, 100, " cm"), "largest error": worst("max_m", 2, 1, " m"),
+        "worst, times clean": worst("times_clean", 2)})
+
+
+def clutter_seeds(runs, shares):
+    def cell(model, seed):
+        pair = [where(runs, model=model, scene=scene, seed=seed) for scene in ("clutter", "office")]
+        return f"{100 * pair[0][0]['rmse_m']:.1f} ({100 * pair[1][0]['rmse_m']:.1f})" if all(pair) else ""
+
+    return table(("seed", "share", *CLUTTER_MODELS), [
+        (str(seed), f"{share:.1f} %", *(cell(model, seed) for model in CLUTTER_MODELS)) for seed, share in shares.items()])
+
+
+def clutter(bench):
+    """tracking among unmapped things"""
     shares = {}
-    for seed in seeds:
-        bench.simulate("office", seed)
-        shares[seed] = bench.simulate("clutter", seed)
-    tasks = [((model, scene, seed), lambda m=model, s=scene, k=seed: bench.run(s, k, m, settings_of(m)))
-             for model in CLUTTER_MODELS for seed in seeds for scene in ("office", "clutter")]
-    where = measuring.circumstances(program)  # before a break, after which nothing is run any more
-    results, end = measuring.measure(program, args.jobs, tasks, lambda key, run: (
-        f"{key[0]}, {key[1]}, seed {key[2]}: RMSE {100 * run['rmse_m']:.1f} cm, maximum {run['max_m']:.2f} m"))
-    for (model, scene, seed), run in results.items():
-        run["clutter_share_percent"] = shares[seed] if scene == "clutter" else 0.0
-        clean = results.get((model, "office", seed))
-        if scene == "clutter" and clean:
-            run["times_clean"] = run["rmse_m"] / clean["rmse_m"]
-            if model == MUST_TRACK:
-                run["within_bars"] = run["times_clean"] < CLUTTER_BAR
+    for seed in range(1, bench.args.seeds + 1):
+        simulated(bench, "office", seed)
+        shares[seed] = simulated(bench, "clutter", seed)
+    tasks = {(model, scene, seed): partial(model_run, bench, scene, seed, model, settings_of(model))
+             for model in CLUTTER_MODELS for seed in shares for scene in ("office", "clutter")}
+
+    def compare_with_clean(results):
+        for (model, scene, seed), run in results.items():
+            run["clutter_share_percent"] = shares[seed] if scene == "clutter" else 0.0
+            clean = results.get((model, "office", seed))
+            if scene == "clutter" and clean:
+                run["times_clean"] = run["rmse_m"] / clean["rmse_m"]
+                if model == MUST_TRACK:
+                    run["within_bars"] = run["times_clean"] < CLUTTER_BAR
 
     def page(record):
-        runs = {(r["model"], r["scene"], r["seed"]): r for r in record["runs"]}
-        summary, every = [], []
-        for model in CLUTTER_MODELS:
-            group = [r for r in record["runs"] if r["model"] == model and "times_clean" in r]
-            if not group:
-                continue
-            cleans = [runs[model, "office", r["seed"]] for r in group]
-            tracked = sum(r["times_clean"] < CLUTTER_BAR for r in group)
-            summary.append((model, f"{tracked} of {len(group)}", f"{100 * mean(cleans, 'rmse_m'):.1f} cm",
-                            f"{100 * sorted(r['rmse_m'] for r in group)[len(group) // 2]:.1f} cm",
-                            f"{100 * max(r['rmse_m'] for r in group):.1f} cm", f"{max(r['max_m'] for r in group):.2f} m",
-                            f"{max(r['times_clean'] for r in group):.2f}"))
-        for seed in seeds:
-            cells = [f"{100 * runs[m, 'clutter', seed]['rmse_m']:.1f} ({100 * runs[m, 'office', seed]['rmse_m']:.1f})"
-                     if {(m, "clutter", seed), (m, "office", seed)} <= runs.keys() else "" for m in CLUTTER_MODELS]
-            every.append((str(seed), f"{shares[seed]:.1f} %", *cells))
-        return measuring.first_lines("Among people and boxes that are not on the map", record) + CLUTTER_TEXT.format(
-            scenario="../../" + CLUTTER[0], seeds=len(shares), bar=CLUTTER_BAR, plain=PLAIN, share_low=min(shares.values()),
-            share_high=max(shares.values()),
-            summary=table(("model", "tracked", "mean RMSE, clean", "median RMSE", "worst RMSE", "largest error",
-                           "worst, times clean"), summary),
-            every=table(("seed", "share", *CLUTTER_MODELS), every)) + "\n" + measuring.circumstances_text(record)
+        return first_lines("Among people and boxes that are not on the map", record) + CLUTTER_TEXT.format(
+            scenario="../../" + SCENES["clutter"][0], seeds=len(shares), bar=CLUTTER_BAR, plain=PLAIN,
+            share_low=min(shares.values()), share_high=max(shares.values()), summary=clutter_summary(record["runs"]),
+            every=clutter_seeds(record["runs"], shares)) + "\n" + circumstances_text(record)
 
-    return measuring.finish(args, "clutter", where, len(tasks), results, end, page)
-
-
-# ---- Command line ----------------------------------------------------------------------------------------------------------
-
-
-def parse_arguments():
-    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    commands = parser.add_subparsers(required=True, metavar="nees|clutter")
-    for run, seeds, text in ((nees, 10, "NEES of each model"), (clutter, 20, "tracking among unmapped things")):
-        command = commands.add_parser(run.__name__, help=text, description=text)
-        command.set_defaults(run=run, sweep_seeds=0)
-        choices = {"choices": sorted(CHI_SQUARE)} if run is nees else {}
-        command.add_argument("--seeds", type=measuring.positive, default=seeds, metavar="N", help=f"seeds 1 to N ({seeds})",
-                             **choices)
-        if run is nees:
-            command.add_argument("--sweep-seeds", type=measuring.positive, default=2, metavar="N",
-                                 help="seeds of the table of effective beams (2)")
-        measuring.add_arguments(command)
-    return measuring.parse(parser)
-
-
-def main():
-    args = parse_arguments()
-    return measuring.run_tool("sensor_models", args, args.run)
+    return study(bench, "clutter", tasks, lambda key, run: (
+        f"{key[0]}, {key[1]}, seed {key[2]}: RMSE {100 * run['rmse_m']:.1f} cm, maximum {run['max_m']:.2f} m"), page,
+        compare_with_clean)
 
 
 if __name__ == "__main__":
-    sys.exit(main())
+    sys.exit(measuring.study(__doc__, {
+        nees: (count("--seeds", 10, "seeds 1 to N", choices=sorted(CHI_SQUARE)),
+               count("--sweep-seeds", 2, "seeds of the table of effective beams"), JOBS),
+        clutter: (count("--seeds", 20, "seeds 1 to N"), JOBS)}))

@@ -1,24 +1,21 @@
 #!/usr/bin/env python3
 """Maps the recorded logs with `parloc slam` and writes a page (Markdown) with all values beside it (JSON).
 
-    tools/studies/slam_logs.py [--parts P ...] [--logs L ...] [--seeds N] [--name PAGE] [--jobs K] [--out DIR] [--parloc FILE]
-
-Every log that has relations, by parts: what the bars ask for; few particles; no odometry; and of particles alone, without loops that
-are closed afterwards: the proposals, resampling only when it is needed or at every scan, few with a wide search, many. The relation error is that of Kuemmerle et al. 2009. Needs
-Python 3.10, a built program and the folder of the logs (PARLOC_DATA, else ../shared/data).
-
-Exit code: 0 all bars kept, 1 a bar missed, 2 wrong usage or a missing file, 3 a run of parloc failed, 130 interrupted.
+Every log that has relations, by parts: what the bars ask for; few particles; no odometry; and of particles alone, without
+loops that are closed afterwards: the proposals, resampling only when it is needed or at every scan, few with a wide search,
+many. The relation error is that of Kuemmerle et al. 2009. PARLOC_DATA names the folder of the logs, else ../shared/data.
 """
 
-import argparse
 import json
 import math
 import resource
-import statistics
 import sys
+from functools import partial
 
 import measuring
-from measuring import DATA, table
+from measuring import DATA, JOBS, Failure, count, option, subset
+from pages import bars_table, circumstances_text, mean, study, table, table_of_groups, where
+from runs import yaml_text
 
 # Kuemmerle et al. 2009, translation [m]: scan matching, RBPF with 50 particles, graph mapping; a secondary tabulation.
 PUBLISHED = {"intel": (0.220, 0.070, 0.031), "aces": (0.173, 0.060, 0.044)}
@@ -30,19 +27,27 @@ MEMORY_BAR_MIB, MEMORY_PARTICLES = 4096, 1000
 SEARCH = {"search_xy": 0.5, "search_theta": 0.2}  # [m, rad]
 OPEN = {"close_loops": False}  # what the particles alone make of it
 
-# By part: title, seeds (0: as many as are asked for), and its variations: a name and settings of `slam:`. 30 particles, scan_match,
-# resampling by N_eff, and loops that are closed afterwards are the defaults.
+
+def particles(*numbers, **settings):
+    return {f"{n} particle{'s' * (n > 1)}": {"particles": n, **settings} for n in numbers}
+
+
+# By part: title, seeds (0: as many as are asked for), and its variations: a name and settings of `slam:`. 30 particles,
+# scan_match, resampling by N_eff, and loops that are closed afterwards are the defaults.
 PARTS = {
     "bars": ("30 particles", 0, {"": {}}),
-    "few": ("Few particles", 3, {f"{n} particle{'s' * (n > 1)}": {"particles": n} for n in (1, 2, 4)}),
-    "scans": ("No odometry: from the scans alone", 3, {"30 particles": {"odometry": "scans"}, "1 particle": {"odometry": "scans", "particles": 1}}),
-    "proposals": ("Proposals: 30 particles alone", 0, {name: {"proposal": name, **OPEN} for name in ("motion", "scan_match", "gaussian")}),
-    "resampling": ("Resampling: 30 particles alone", 0, {"N_eff < N / 2": OPEN, "every scan": {"resample_threshold": 1, **OPEN}}),
+    "few": ("Few particles", 3, particles(1, 2, 4)),
+    "scans": ("No odometry: from the scans alone", 3,
+              {"30 particles": {"odometry": "scans"}, "1 particle": {"odometry": "scans", "particles": 1}}),
+    "proposals": ("Proposals: 30 particles alone", 0,
+                  {name: {"proposal": name, **OPEN} for name in ("motion", "scan_match", "gaussian")}),
+    "resampling": ("Resampling: 30 particles alone", 0,
+                   {"N_eff < N / 2": OPEN, "every scan": {"resample_threshold": 1, **OPEN}}),
     "search": ("Few particles alone, with and without a wide search (0.5 m, 0.2 rad)", 3,
-               {f"{n} particle{'s' * (n > 1)}{text}": {"particles": n, **OPEN, **more} for n in (1, 2, 4)
+               {f"{name}{text}": {**settings, **more} for name, settings in particles(1, 2, 4, **OPEN).items()
                 for text, more in (("", {}), (", search", SEARCH))}),
     "scans_alone": ("No odometry: from the scans alone, 30 particles alone", 3, {"scans": {"odometry": "scans", **OPEN}}),
-    "many": ("Many particles alone", 1, {f"{n} particles": {"particles": n, **OPEN} for n in (30, 100, 300, MEMORY_PARTICLES)}),
+    "many": ("Many particles alone", 1, particles(30, 100, 300, MEMORY_PARTICLES, **OPEN)),
 }
 
 
@@ -51,26 +56,23 @@ def worked_s():
     return resource.getrusage(resource.RUSAGE_CHILDREN).ru_utime
 
 
-def one_run(program, work, log, settings, seed):
+def one_run(bench, log, settings, seed):
     worked_before_s = worked_s()
-    name = f"{log}_{'_'.join(f'{k}_{v}' for k, v in settings)}_{seed}"
-    config = work / f"{name}.yaml"
-    slam = ", ".join(f"{k}: {json.dumps(v)}" for k, v in settings)
-    config.write_text(f"scan: {{laser_max_range: {RANGES[log]}}}\nslam: {{{slam}}}\n")
-    m = json.loads(program("slam", "--log", DATA / log / "scans.log", "--relations", DATA / log / "relations.txt", "--config", config,
-                           "--seed", seed, "--out", work / name, "--json"))
+    out = bench.folder / f"{log}_{'_'.join(f'{k}_{v}' for k, v in settings)}_{seed}"
+    config = out.with_name(f"{out.name}.yaml")
+    config.write_text(yaml_text({"scan": {"laser_max_range": RANGES[log]}, "slam": dict(settings)}))
+    m = json.loads(bench.program("slam", "--log", DATA / log / "scans.log", "--relations", DATA / log / "relations.txt",
+                                 "--config", config, "--seed", seed, "--out", out, "--json"))
     r = m["relations"]
-    distinct = m["distinct_ancestors"]
     return {"log": log, "settings": dict(settings), "seed": seed, "particles": dict(settings).get("particles", 30),
             "translation_mean_m": r["translation_mean_m"], "translation_std_m": r["translation_std_m"],
             "rotation_mean_deg": math.degrees(r["rotation_mean_rad"]), "compared": r["compared"],
             "taken_in": m["scans_taken_in"], "resampled": m["resampled"], "n_eff_mean": m["n_eff"]["mean"],
-            "ancestors_half": m["ancestors_at_quarters"][2], "single_ancestor": sum(1 for n in distinct if n == 1),
+            "ancestors_half": m["ancestors_at_quarters"][2], "single_ancestor": m["distinct_ancestors"].count(1),
             "most_tile_mib": m["memory"]["most_tile_bytes"] / 2**20, "table_mib": m["memory"]["table_bytes"] / 2**20,
             "resident_mib": m["memory"]["resident_bytes"] / 2**20,
             "wall_s": m["wall_s"], "cpu_s": worked_s() - worked_before_s, "real_time_factor": m["real_time_factor"],
-            "digest": m["digest"], "backend": m["backend"],
-            "config": m["config"]}
+            "digest": m["digest"], "backend": m["backend"], "config": m["config"]}
 
 
 def text_of(key, run):
@@ -80,7 +82,7 @@ def text_of(key, run):
 
 
 def variation(runs, log, settings, seeds):
-    return [r for r in runs if r["log"] == log and r["settings"] == settings and r["seed"] <= seeds]
+    return [run for run in where(runs, log=log, settings=settings) if run["seed"] <= seeds]
 
 
 def judged(record):
@@ -98,75 +100,73 @@ def judged(record):
                 bars.append((f"{log}: 30 particles in under {TIME_BAR_S} s", f"{slowest:.0f} s at most", slowest < TIME_BAR_S))
         for r in variation(record["runs"], log, {"particles": MEMORY_PARTICLES, **OPEN}, 1):
             mib = r["resident_mib"]
-            bars.append((f"{log}: {MEMORY_PARTICLES} particles in {MEMORY_BAR_MIB} MiB", f"{mib:.0f} MiB, the whole program", mib <= MEMORY_BAR_MIB))
+            bars.append((f"{log}: {MEMORY_PARTICLES} particles in {MEMORY_BAR_MIB} MiB", f"{mib:.0f} MiB, the whole program",
+                         mib <= MEMORY_BAR_MIB))
     return bars
 
 
-def mean_text(some, key, digits=3):
-    values = [r[key] for r in some]
-    spread = f" ({min(values):.{digits}f} to {max(values):.{digits}f})" if len(values) > 1 else ""
-    return f"{statistics.mean(values):.{digits}f}{spread}"
+def mean_text(key, digits):
+    """The column of a value: its mean and, of several runs, from the least to the most."""
+    def text(runs):
+        values = [run[key] for run in runs]
+        spread = f" ({min(values):.{digits}f} to {max(values):.{digits}f})" if len(values) > 1 else ""
+        return f"{mean(runs, key):.{digits}f}{spread}"
+    return text
 
 
-HEAD = ("log", "", "seeds", "translation [m]", "rotation [deg]", "resampled", "N_eff", "ancestors half way", "one way", "tiles [MiB]",
-        "tables [MiB]", "resident [MiB]", "time [s]", "of a core [s]")
+COLUMNS = {
+    "seeds": lambda runs: str(len(runs)),
+    "translation [m]": mean_text("translation_mean_m", 4), "rotation [deg]": mean_text("rotation_mean_deg", 2),
+    "resampled": mean_text("resampled", 0), "N_eff": mean_text("n_eff_mean", 1),
+    "ancestors half way": mean_text("ancestors_half", 1), "one way": mean_text("single_ancestor", 0),
+    "tiles [MiB]": mean_text("most_tile_mib", 0), "tables [MiB]": mean_text("table_mib", 1),
+    "resident [MiB]": mean_text("resident_mib", 0), "time [s]": mean_text("wall_s", 0), "of a core [s]": mean_text("cpu_s", 0),
+}
 
 
 def part_table(record, part):
     _, most, variations = PARTS[part]
-    rows = []
-    for log in PUBLISHED:
-        for name, settings in variations.items():
-            if some := variation(record["runs"], log, settings, most or record["seeds"]):
-                rows.append((log, name, str(len(some)), mean_text(some, "translation_mean_m", 4), mean_text(some, "rotation_mean_deg", 2),
-                             mean_text(some, "resampled", 0), mean_text(some, "n_eff_mean", 1), mean_text(some, "ancestors_half", 1),
-                             mean_text(some, "single_ancestor", 0), mean_text(some, "most_tile_mib", 0), mean_text(some, "table_mib", 1),
-                             mean_text(some, "resident_mib", 0), mean_text(some, "wall_s", 0), mean_text(some, "cpu_s", 0)))
-    return table(HEAD, rows) if rows else "Not measured."
+    groups = {(log, name): some for log in PUBLISHED for name, settings in variations.items()
+              if (some := variation(record["runs"], log, settings, most or record["seeds"]))}
+    return table_of_groups(("log", ""), groups, COLUMNS) if groups else "Not measured."
+
+
+RELATIONS_TEXT = """
+Relation error: mean over the relations; mean over the seeds and, in brackets, from best to worst. "Ancestors half way": how \
+many poses of the scan in the middle the particles of the end go back to. "One way": scans from the start on for which that \
+is one. 2580 scans are taken in of Intel, 1279 of ACES. Times are of both cores, and the sum of what they worked.
+"""
 
 
 def page(record):
     text = "# Maps from recorded logs\n\nHow it works: [slam](../slam.md).\n"
     if record["partial"]:
         text += f"\n**Partial: {record['ended_by']}.**\n"
-    text += "\n" + table(("bar", "measured", ""), [(a, b, "kept" if c else "**missed**") for a, b, c in judged(record)]) + "\n"
-    text += ("\nRelation error: mean over the relations; mean over the seeds and, in brackets, from best to worst. \"Ancestors half way\": how "
-             "many poses of the scan in the middle the particles of the end go back to. \"One way\": scans from the start on for which that "
-             "is one. 2580 scans are taken in of Intel, 1279 of ACES. Times are of both cores, and the sum of what they worked.\n")
+    text += "\n" + bars_table(judged(record)) + "\n"
+    text += RELATIONS_TEXT
     for part in record["parts"]:
         text += f"\n## {PARTS[part][0]}\n\n{part_table(record, part)}\n"
     text += "\n## Published\n\nKuemmerle et al. 2009, translation [m]; from a secondary tabulation:\n\n"
     text += table(("log", "scan matching", "RBPF, 50 particles", "graph mapping"),
                   [(log, *(f"{v:.3f}" for v in PUBLISHED[log])) for log in PUBLISHED])
-    return text + "\n\n" + measuring.circumstances_text(record)
+    return text + "\n\n" + circumstances_text(record)
 
 
-def run(args, program, work):
-    missing = [DATA / log / name for log in PUBLISHED for name in ("scans.log", "relations.txt") if not (DATA / log / name).is_file()]
-    if missing:
-        raise measuring.Failure(2, f"{missing[0]}: expected this file; PARLOC_DATA names the folder of the logs")
-    keys = dict.fromkeys((log, tuple(settings.items()), seed) for part in args.parts for log in args.logs
-                         for settings in PARTS[part][2].values() for seed in range(1, (PARTS[part][1] or args.seeds) + 1))
-    tasks = [(key, lambda key=key: one_run(program, work, *key)) for key in keys]
+def run(bench):
+    args = bench.args
+    needed = [DATA / log / name for log in PUBLISHED for name in ("scans.log", "relations.txt")]
+    if missing := [path for path in needed if not path.is_file()]:
+        raise Failure(2, f"{missing[0]}: expected this file; PARLOC_DATA names the folder of the logs")
+    tasks = {(log, tuple(settings.items()), seed): partial(one_run, bench, log, tuple(settings.items()), seed)
+             for part in args.parts for log in args.logs for settings in PARTS[part][2].values()
+             for seed in range(1, (PARTS[part][1] or args.seeds) + 1)}
     if args.jobs > 1:
         print("slam_logs.py: with several runs at a time none has its own time", file=sys.stderr)
-    # Before a break, after which nothing is run any more.
-    record = measuring.circumstances(program) | {"parts": args.parts, "seeds": args.seeds}
-    results, end = measuring.measure(program, args.jobs, tasks, text_of)
-    code = measuring.finish(args, args.name, record, len(keys), results, end, page)
-    return code or (0 if all(holds for _, _, holds in judged({**record, "runs": list(results.values())})) else 1)
-
-
-def main():
-    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("--parts", nargs="+", choices=list(PARTS), default=list(PARTS), metavar="P", help=f"of {', '.join(PARTS)} (all)")
-    parser.add_argument("--logs", nargs="+", choices=list(PUBLISHED), default=list(PUBLISHED), metavar="L", help=f"of {', '.join(PUBLISHED)} (all)")
-    parser.add_argument("--name", default="slam", metavar="PAGE", help="of the page and its JSON (slam)")
-    parser.add_argument("--seeds", type=measuring.positive, default=5, metavar="N", help="from 1 on (5)")
-    measuring.add_arguments(parser)
-    args = measuring.parse(parser)
-    return measuring.run_tool("slam", args, lambda *all_of: run(*all_of))
+    return study(bench, args.name, tasks, text_of, page, holds=lambda record: all(kept for _, _, kept in judged(record)),
+                 parts=args.parts, seeds=args.seeds)
 
 
 if __name__ == "__main__":
-    sys.exit(main())
+    sys.exit(measuring.study(__doc__, {run: (
+        subset("--parts", PARTS, "what to run", "P"), subset("--logs", PUBLISHED, "on which", "L"),
+        count("--seeds", 5, "from 1 on"), option("--name", "slam", "of the page and its JSON", metavar="PAGE"), JOBS)}))

@@ -1,20 +1,19 @@
 #!/usr/bin/env python3
-"""Runs `parloc evaluate` on every scene of docs/results/evaluate.md: its values (JSON), and the rows of its table on standard output.
+"""Runs `parloc evaluate` on every scene of docs/results/evaluate.md: its values (JSON), and the rows of its table on
+standard output.
 
-    tools/studies/trials.py [--share S] [--only ROW ...] [--jobs K] [--out DIR] [--samples DIR] [--parloc FILE] [--data DIR]
-
---share 0.1 runs a tenth of the trials. Real logs are left out, with a line that says so, where they are not found. Needs Python 3.10
-and a built program. Exit code: 0 every bar kept, 1 one missed, 2 wrong usage or a missing file, 3 a run of parloc failed, 130
-interrupted: rows that are finished are written in any case.
+--share 0.1 runs a tenth of the trials. Real logs are left out, with a line that says so, where they are not found. Rows that
+are finished are written in any case.
 """
 
 import argparse
 import json
-import pathlib
+import os
 import sys
 
 import measuring
-from measuring import DATA, ROOT
+from measuring import LOGS_FOLDER, ROOT, count, option, path, subset
+from pages import fixed
 
 OFFICE, WORKS = "configs/office_scenario.yaml", "configs/works_scenario.yaml"
 SCENES = {  # row: arguments, trials; real logs: folder, map
@@ -50,7 +49,8 @@ BARS = {
     "fov100": [at_most("confident_wrong_1s", 0.01)],
     "people": [at_most("confident_wrong_1s", 0.01)],
     "kidnap": [at_least("success", 0.97), at_least("noticed", 0.97),
-               ("AUC >= 0.98", lambda s: s["calibration"]["auc"] >= 0.98), ("false lost < 1/h", lambda s: s["false_lost_per_hour"] < 1)],
+               ("AUC >= 0.98", lambda s: s["calibration"]["auc"] >= 0.98),
+               ("false lost < 1/h", lambda s: s["false_lost_per_hour"] < 1)],
     "track": [("NEES within 2.36 to 3.72", lambda s: 2.359690 <= s["nees"]["mean"] <= 3.716009)],  # chi-squared, 50 runs
     "intel": [at_least("success", 0.95), at_most("confident_wrong_1s", 0.0)],
     "aces": [at_most("confident_wrong_1s", 0.0)],
@@ -61,33 +61,15 @@ def rate(r):
     return f"{r['hits']} of {r['of']} ({100 * r['low']:.1f} to {100 * r['high']:.1f} %)" if r and r["of"] else "-"
 
 
-def number(value, form):
-    return "-" if value is None else format(value, form)
-
-
 def row(name, result):
     s, search_ms = result["summary"], result["times"]["search_step_ms"]
     late, nees, said = s["localize_s"], s["nees"], s["calibration"]
-    return (f"| {name} | {rate(s['success'])} | {' / '.join(number(late[k], '.1f') for k in ('median', 'p95', 'most'))} s "
-            f"| {s['confident_wrong']['hits']} / {s['confident_wrong_1s']['hits']} | {number(s['false_lost_per_hour'], '.1f')} "
-            f"| {number(s['rmse_m'] and 100 * s['rmse_m'], '.1f')} cm "
-            f"| {number(nees['mean'], '.2f')} ({number(nees['low'], '.2f')} to {number(nees['high'], '.2f')}) "
-            f"| {number(said['brier'], '.4f')} | {number(said['auc'], '.4f')} "
-            f"| {s['searches_mean']:.1f} | {number(search_ms['median'], '.0f')} / {number(search_ms['p95'], '.0f')} ms |")
-
-
-def parse_arguments():
-    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("--share", type=float, default=1.0, metavar="S", help="share of the trials, above 0 and at most 1 (1)")
-    parser.add_argument("--only", nargs="+", choices=[*SCENES, *LOGS], default=[*SCENES, *LOGS], metavar="ROW",
-                        help=f"these of {', '.join([*SCENES, *LOGS])}")
-    measuring.add_arguments(parser, jobs="trials at a time", all_cores=True)
-    parser.add_argument("--samples", type=pathlib.Path, metavar="DIR", help="keep every scan's values here (ROW.csv)")
-    parser.add_argument("--data", type=pathlib.Path, default=DATA, metavar="DIR", help="real logs (PARLOC_DATA, else ../shared/data)")
-    args = measuring.parse(parser)
-    if not 0.0 < args.share <= 1.0:
-        parser.error("--share: expected more than 0 and at most 1")
-    return args
+    return (f"| {name} | {rate(s['success'])} | {' / '.join(fixed(late[k], 1) for k in ('median', 'p95', 'most'))} s "
+            f"| {s['confident_wrong']['hits']} / {s['confident_wrong_1s']['hits']} | {fixed(s['false_lost_per_hour'], 1)} "
+            f"| {fixed(s['rmse_m'] and 100 * s['rmse_m'], 1)} cm "
+            f"| {fixed(nees['mean'], 2)} ({fixed(nees['low'], 2)} to {fixed(nees['high'], 2)}) "
+            f"| {fixed(said['brier'], 4)} | {fixed(said['auc'], 4)} "
+            f"| {s['searches_mean']:.1f} | {fixed(search_ms['median'], 0)} / {fixed(search_ms['p95'], 0)} ms |")
 
 
 def arguments_of(args, name):
@@ -103,10 +85,11 @@ def arguments_of(args, name):
             "--starts", max(1, round(20 * args.share))]
 
 
-def evaluate(args, program, work, name, arguments):
+def evaluate(bench, name, arguments):
+    args, out = bench.args, bench.folder / name
     samples = ["--samples", args.samples / f"{name}.csv"] if args.samples else []
-    program("evaluate", *arguments, "--jobs", args.jobs, "--quiet", "--out", work / name, *samples)
-    text = (work / name / "evaluate.json").read_text().replace(str(args.data), "$PARLOC_DATA")
+    bench.program("evaluate", *arguments, "--jobs", args.jobs, "--quiet", "--out", out, *samples)
+    text = (out / "evaluate.json").read_text().replace(str(args.data), "$PARLOC_DATA")
     result = json.loads(text.replace(f"{ROOT}/", ""))
     del result["trials"]
     result["command"] = "parloc evaluate " + " ".join(str(a) for a in [*arguments, "--jobs", args.jobs]).replace(
@@ -114,7 +97,8 @@ def evaluate(args, program, work, name, arguments):
     return result
 
 
-def run(args, program, work):
+def run(bench):
+    args = bench.args
     if args.samples:
         args.samples.mkdir(parents=True, exist_ok=True)
     path, results, kept = args.out / "evaluate.json", {}, True
@@ -124,7 +108,7 @@ def run(args, program, work):
         arguments = arguments_of(args, name)
         if arguments is None:
             continue
-        results[name] = evaluate(args, program, work, name, arguments)
+        results[name] = evaluate(bench, name, arguments)
         print(row(name, results[name]), flush=True)
         for what, holds in BARS.get(name, []):
             if not holds(results[name]["summary"]):
@@ -134,10 +118,14 @@ def run(args, program, work):
     return 0 if kept else 1
 
 
-def main():
-    args = parse_arguments()
-    return measuring.run_tool("trials", args, run)
+def share(text):
+    if not 0.0 < float(text) <= 1.0:
+        raise argparse.ArgumentTypeError("expected more than 0 and at most 1")
+    return float(text)
 
 
 if __name__ == "__main__":
-    sys.exit(main())
+    sys.exit(measuring.study(__doc__, {run: (
+        option("--share", 1.0, "share of the trials, above 0 and at most 1", type=share, metavar="S"),
+        subset("--only", [*SCENES, *LOGS], "rows", "ROW"), count("--jobs", os.cpu_count(), "trials at a time"),
+        path("--samples", None, "keep every scan's values here (ROW.csv)"), LOGS_FOLDER)}))
