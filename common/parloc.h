@@ -2,11 +2,10 @@
 #pragma once
 
 #include "common/config/config.h"
+#include "common/config/pose_filters.h"
 #include "common/error.h"
 #include "common/eval/metrics.h"
-#include "common/filter/config.h"
 #include "common/filter/particle_filter.h"
-#include "common/filter/pose_filter.h"
 #include "common/flow/flow_filter.h"
 #include "common/io/log.h"
 #include "common/io/trajectory.h"

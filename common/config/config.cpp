@@ -1,180 +1,107 @@
-// Reads a configuration: YAML text -> entries (config_entries.h) -> the table of settings.
 #include "common/config/config.h"
 
 #include <fmt/format.h>
 
-#include <algorithm>
-#include <cctype>
-#include <cerrno>
-#include <charconv>
-#include <cmath>
-#include <cstring>
-#include <fstream>
-#include <optional>
-#include <string>
-#include <string_view>
-#include <type_traits>
-#include <vector>
-
-#include "common/config/config_entries.h"
-#include "common/config/config_rules.h"
-#include "common/config/config_text.h"
-#include "common/error.h"
+#include "common/config/config_settings.h"
+#include "common/filter/filter_settings.h"
+#include "common/flow/flow_settings.h"
+#include "common/localize/localize_settings.h"
+#include "common/search/search_settings.h"
+#include "common/settings/read_settings.h"
+#include "common/slam/slam_settings.h"
 
 namespace parloc {
 namespace {
 
-using config_text::full_name;
-using config_text::printable;
-
-/// Sets the one field that `entry` names.
-class SettingSetter {
- public:
-  SettingSetter(const std::string& file, const ConfigEntry& entry) : file_(file), entry_(entry) {}
-
-  template <class Number>
-  void operator()(const Setting& setting, Number& target, const Limits<Number>& limits) {
-    if (!matches(setting)) return;
-    constexpr const char* wanted = std::is_integral_v<Number> ? "a whole number" : "a number";
-    const Number value = parse<Number>(setting, wanted, limits);
-    if (!config_text::within(value, limits)) fail(config_text::limits_message(setting, value, limits));
-    target = value;
-  }
-  template <class Value, class Allowed>
-  void operator()(const Setting& setting, std::optional<Value>& target, const Allowed& allowed) {
-    if (!matches(setting)) return;
-    Value value{};
-    (*this)(setting, value, allowed);
-    target = value;
-  }
-  void operator()(const Setting& setting, bool& target) {
-    if (!matches(setting)) return;
-    const bool yes = !entry_.quoted && entry_.value == "true";
-    if (!yes && (entry_.quoted || entry_.value != "false")) fail_type(setting, "true or false");
-    target = yes;
-  }
-  template <class Enum, std::size_t n>
-  void operator()(const Setting& setting, Enum& target, const std::array<Choice<Enum>, n>& choices) {
-    if (!matches(setting)) return;
-    for (const auto& choice : choices) {
-      if (entry_.value == choice.name) {
-        target = choice.value;
-        return;
-      }
-    }
-    fail_type(setting, config_text::choices_text(choices));
-  }
-
- private:
-  bool matches(const Setting& setting) const {
-    return entry_.group == setting.group && entry_.key == setting.key;
-  }
-  /// Locale-independent; the whole text must be the number.
-  template <class Number>
-  Number parse(const Setting& setting, const char* wanted, const Limits<Number>& limits) const {
-    std::string_view text = entry_.value;
-    if (entry_.quoted || text.empty()) fail_type(setting, wanted);
-    if (text.front() == '+' && text.size() > 1 && text[1] != '-')
-      text.remove_prefix(1);  // from_chars knows no '+'
-    Number value{};
-    const auto [end, status] = std::from_chars(text.data(), text.data() + text.size(), value);
-    const bool whole = end == text.data() + text.size();
-    const bool negative_unsigned = std::is_unsigned_v<Number> && is_negative_integer(text);
-    if (negative_unsigned || (whole && status == std::errc::result_out_of_range)) {
-      fail(fmt::format("{} must be {}, got {}", full_name(setting), config_text::limits_text(limits),
-                       printable(entry_.value)));
-    }
-    if (!whole || status != std::errc()) fail_type(setting, wanted);
-    if constexpr (std::is_floating_point_v<Number>) {
-      if (!std::isfinite(value)) fail_type(setting, "a finite number");
-    }
-    return value;
-  }
-  static bool is_negative_integer(std::string_view text) {
-    return text.size() > 1 && text.front() == '-' && std::all_of(text.begin() + 1, text.end(), [](char c) {
-             return std::isdigit(static_cast<unsigned char>(c)) != 0;
-           });
-  }
-  [[noreturn]] void fail(const std::string& message) const {
-    throw config_text::error(file_, entry_.line, message);
-  }
-  [[noreturn]] void fail_type(const Setting& setting, const std::string& wanted) const {
-    const std::string got = entry_.empty    ? "nothing"
-                            : entry_.quoted ? fmt::format("the text \"{}\"", printable(entry_.value))
-                                            : fmt::format("'{}'", printable(entry_.value));
-    fail(fmt::format("{}: expected {}, got {}", full_name(setting), wanted, got));
-  }
-
-  const std::string& file_;
-  const ConfigEntry& entry_;
-};
-
-const ConfigEntry* find_entry(const std::vector<ConfigEntry>& entries, std::string_view name) {
-  for (const ConfigEntry& entry : entries) {
-    if (full_name(entry.group, entry.key) == name) return &entry;
-  }
-  return nullptr;
-}
-
 /// The alphas mean different things in the two forms, so a file that sets one must say which form it means.
-void require_form(const std::vector<ConfigEntry>& entries, const std::string& name) {
-  if (find_entry(entries, "motion.form") != nullptr) return;
-  for (const char* alpha : {"motion.alpha1", "motion.alpha2", "motion.alpha3", "motion.alpha4"}) {
-    if (const ConfigEntry* entry = find_entry(entries, alpha)) {
-      throw config_text::error(
-          name, entry->line,
-          fmt::format("{} needs motion.form beside it: seed (sigma linear in the motion) or thrun "
-                      "(variance quadratic, as AMCL)",
-                      alpha));
-    }
-  }
+void require_form(const SettingsText& text) {
+  if (text.find("motion.form") != nullptr) return;
+  for (const char* alpha : {"motion.alpha1", "motion.alpha2", "motion.alpha3", "motion.alpha4"})
+    if (const SettingsEntry* entry = text.find(alpha))
+      text.fail(entry,
+                fmt::format("{} needs motion.form beside it: seed (sigma linear in the motion) or thrun "
+                            "(variance quadratic, as AMCL)",
+                            alpha));
 }
 
-/// The LiDAR of a group "lidars.front"; made if it is the first time. Null for another group.
-LidarConfig* lidar_of(const std::string& group, std::vector<LidarConfig>& lidars) {
-  const std::string prefix = std::string(kLidars.name) + ".";
-  if (group.rfind(prefix, 0) != 0) return nullptr;
-  const std::string name = group.substr(prefix.size());
-  for (LidarConfig& lidar : lidars)
-    if (lidar.name == name) return &lidar;
-  lidars.emplace_back().name = name;
-  return &lidars.back();
+/// Limits of every setting first, then the rules between settings.
+std::optional<Violation> first_violation(const Config& config) {
+  Config copy = config;
+  if (auto violation = first_beyond_limits(settings_of(copy))) return violation;
+  return broken_rule(config);
 }
 
 }  // namespace
 
-FilterConfig config_from_text(const std::string& text, const std::string& name, const FilterConfig& base) {
-  const std::vector<ConfigEntry> entries = config_entries(text, name);
-  FilterConfig config = base;
-  if (const ConfigEntry* model = find_entry(entries, "sensor.model")) {  // first: it decides other defaults
-    SettingSetter setter(name, *model);
-    visit_settings(config, setter);
+FlowFilterConfig flow_filter_config(const Config& config) {
+  FlowFilterConfig c;
+  static_cast<StepConfig&>(c) = config;
+  c.scan.max_beams = config.flow_max_beams;
+  c.update_min_d = c.update_min_a = 0.0;
+  c.particles = config.most_particles();
+  c.resample = config.resample;
+  c.flow = config.flow;
+  return c;
+}
+
+GridSlamConfig grid_slam_config(const Config& config) {
+  GridSlamConfig c;
+  static_cast<StepConfig&>(c) = config;
+  c.scan.max_beams = config.slam_max_beams;
+  c.update_min_d = config.slam_update_min_d;
+  c.update_min_a = config.slam_update_min_a;
+  c.slam = config.slam;
+  return c;
+}
+
+Config config_of(const GridSlamConfig& slam) {
+  Config c;
+  static_cast<StepConfig&>(c) = slam;
+  c.scan.max_beams = Config().scan.max_beams;
+  c.update_min_d = c.update_min_a = 0.0;
+  c.slam_max_beams = slam.scan.max_beams;
+  c.slam_update_min_d = slam.update_min_d;
+  c.slam_update_min_a = slam.update_min_a;
+  c.slam = slam.slam;
+  return c;
+}
+
+Settings settings_of(Config& config) {
+  Settings s;
+  add_settings(s, static_cast<FilterConfig&>(config));
+  add_settings(s, config.localize);
+  add_flow_settings(s, config.flow, config.flow_max_beams);
+  add_slam_settings(s, config.slam, config.slam_max_beams, config.slam_update_min_d,
+                    config.slam_update_min_a);
+  add_settings(s, config.search);
+  return s;
+}
+
+void validate(const Config& config) {
+  require_none(first_violation(config));
+}
+
+Config config_from_text(const std::string& text, const std::string& name, const Config& base) {
+  Config config = base;
+  Settings settings = settings_of(config);
+  const SettingsText said(text, name, settings);
+  if (said.find("sensor.model") != nullptr) {  // first: it decides other defaults
+    said.set(settings, "sensor.model");
     config.sensor = default_sensor(config.sensor.model);
   }
-  for (const ConfigEntry& entry : entries) {
-    SettingSetter setter(name, entry);
-    if (LidarConfig* lidar = lidar_of(entry.group, config.lidars)) {
-      visit_lidar_settings(*lidar, entry.group.c_str(), setter);
-    } else {
-      visit_settings(config, setter);
-    }
-  }
-  require_form(entries, name);
-  if (const auto violation = first_violation(config)) {
-    const ConfigEntry* entry = find_entry(entries, violation->name);
-    throw config_text::error(name, entry != nullptr ? entry->line : 0, violation->message);
-  }
+  said.set_all(settings);
+  require_form(said);
+  said.require_none(first_violation(config));
   return config;
 }
 
-FilterConfig read_config(const std::string& path, const FilterConfig& base) {
-  std::ifstream file(path, std::ios::binary);
-  if (!file) throw config_text::error(path, 0, fmt::format("cannot be opened: {}", std::strerror(errno)));
-  std::string text(kLongestConfig + 1, '\0');  // one byte more than allowed tells a file that is too long
-  file.read(text.data(), static_cast<std::streamsize>(text.size()));
-  if (file.bad()) throw config_text::error(path, 0, "cannot be read (is it a folder?)");
-  text.resize(static_cast<std::size_t>(file.gcount()));
-  return config_from_text(text, path, base);
+Config read_config(const std::string& path, const Config& base) {
+  return config_from_text(read_settings_file(path), path, base);
+}
+
+std::string config_to_yaml(const Config& config) {
+  Config copy = config;
+  return settings_to_yaml(settings_of(copy));
 }
 
 }  // namespace parloc

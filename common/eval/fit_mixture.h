@@ -6,7 +6,7 @@
 #include <functional>
 #include <vector>
 
-#include "common/filter/config.h"
+#include "common/filter/filter_config.h"
 
 namespace parloc {
 

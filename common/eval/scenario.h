@@ -5,8 +5,9 @@
 #include <string>
 #include <vector>
 
-#include "common/filter/config.h"
 #include "common/math/pose.h"
+#include "common/model/motion_config.h"
+#include "common/model/scan_config.h"
 
 namespace parloc {
 

@@ -5,21 +5,16 @@
 #include <optional>
 #include <utility>
 
-#include "common/config/config.h"
 #include "common/error.h"
 #include "common/filter/backend.h"
 #include "common/filter/map_frame.h"
 #include "common/filter/run_digest.h"
-#include "common/filter/scan_intake.h"
 #include "common/filter/start.h"
+#include "common/filter/step_front_end.h"
 #include "common/math/portable64.h"
 
 namespace parloc {
 namespace {
-
-bool finite(const Pose& p) {
-  return std::isfinite(p.x_m) && std::isfinite(p.y_m) && std::isfinite(p.theta_rad);
-}
 
 constexpr double kHeadingUndefined = 1e-3;  // resultant below which a circular mean means nothing (SPEC 4)
 
@@ -51,19 +46,17 @@ struct LidarState {
 }  // namespace
 
 struct ParticleFilter::State {
-  explicit State(const FilterConfig& c) : config(c), track(c.motion.max_jump_m) {}
+  explicit State(const FilterConfig& c) : config(c), front_end(config) {}
 
   FilterConfig config;
   GridMap map;
   std::unique_ptr<Backend> backend;
   BeamTable beams;
-  OdometryTrack track;
-  ScanIntake intake;
+  StepFrontEnd front_end;
   std::vector<LidarState> lidars;  // one per LiDAR seen
   double range_max_m = 0.0;        // that the backend's tables are made for
-  std::optional<Pose> odometry;    // at the last processed step
   Estimate last;
-  std::size_t jumps = 0, invalid = 0, steps = 0;
+  std::size_t steps = 0;
   int unlikely_scans = 0;  // in a row, up to the last one
   int widenings_due = 0;   // in units of the configured noise, in the next step
   bool started = false;
@@ -72,8 +65,7 @@ struct ParticleFilter::State {
   RandomKey key() const { return {config.seed, static_cast<std::uint32_t>(steps)}; }
   void begin(ParticleSet set);
   std::size_t lidar_of(const Scan& scan);
-  bool gated(const std::optional<Pose>& before, const Pose& now) const;
-  MotionStep motion(const OdometryIncrement& u);
+  MotionStep motion_to(const Pose& odometry);
   bool may_widen_next() const;
   void watch_likelihood(const Estimate& e);
   bool take_in(const Scan& scan, std::size_t lidar);
@@ -82,36 +74,24 @@ struct ParticleFilter::State {
 
 void ParticleFilter::State::begin(ParticleSet set) {
   backend->upload(std::move(set));
-  odometry.reset();
-  track.clear();
-  intake.clear();
+  front_end.clear();
   lidars.clear();
   last = {};
-  jumps = invalid = steps = 0;
+  steps = 0;
   unlikely_scans = widenings_due = 0;
   digest = {};
   started = true;
 }
 
 std::size_t ParticleFilter::State::lidar_of(const Scan& scan) {
-  const std::size_t lidar = intake.lidar_of(scan);
-  lidars.resize(intake.used().size());
+  const std::size_t lidar = front_end.lidar_of(scan);
+  lidars.resize(front_end.intake().used().size());
   return lidar;
 }
 
-/// Too little motion since the last processed scan of the same LiDAR to weigh another one (SPEC 6.4).
-bool ParticleFilter::State::gated(const std::optional<Pose>& before, const Pose& now) const {
-  if (!before || (config.update_min_d <= 0 && config.update_min_a <= 0)) return false;
-  const OdometryIncrement u = odometry_increment(*before, now, config.motion.min_translation_m);
-  const double turn = std::fabs(wrap64(u.rot1_rad + u.rot2_rad));
-  return std::fabs(u.trans_m) < config.update_min_d && turn < config.update_min_a;
-}
-
-MotionStep ParticleFilter::State::motion(const OdometryIncrement& u) {
-  const double length_m = std::fabs(u.trans_m);
-  const bool jump = length_m > config.motion.max_jump_m;
-  if (jump) ++jumps;
-  MotionStep step = motion_step(u, config.motion, jump ? length_m / config.motion.max_jump_m : 1.0);
+MotionStep ParticleFilter::State::motion_to(const Pose& odometry) {
+  const Movement movement = front_end.move_to(odometry);
+  MotionStep step = motion_step(movement.increment, config.motion, movement.inflation);
   const double widenings = std::exchange(widenings_due, 0);
   step.spread_xy = static_cast<float>(widenings * config.recovery.expansion_sigma_xy);
   step.spread_theta = static_cast<float>(widenings * config.recovery.expansion_sigma_theta);
@@ -136,8 +116,7 @@ bool ParticleFilter::State::may_widen_next() const {
 
 /// Fills `beams`; whether there are enough of them to weigh.
 bool ParticleFilter::State::take_in(const Scan& scan, std::size_t lidar) {
-  if (!intake.take(scan, lidar, config.scan, config.lidars, config.sensor, track, map.resolution_m, beams))
-    return false;
+  if (!front_end.take(scan, config.sensor, map.resolution_m, beams)) return false;
 
   // One table for all LiDARs, of the farthest-reaching: remaking it takes longer than a step.
   lidars[lidar].range_max_m = beams.range_max_m;
@@ -188,7 +167,7 @@ namespace {
 
 void check(const std::vector<PoseGuess>& guesses) {
   const auto usable = [](const PoseGuess& g) {
-    return finite(g.pose) && g.sigma_xy_m >= 0 && std::isfinite(g.sigma_xy_m) && g.sigma_theta_rad >= 0 &&
+    return is_finite(g.pose) && g.sigma_xy_m >= 0 && std::isfinite(g.sigma_xy_m) && g.sigma_theta_rad >= 0 &&
            std::isfinite(g.sigma_theta_rad) && g.weight > 0 && std::isfinite(g.weight);
   };
   if (guesses.empty() || !std::all_of(guesses.begin(), guesses.end(), usable))
@@ -208,7 +187,7 @@ void ParticleFilter::relocate(const std::vector<PoseGuess>& guesses, const Pose&
   State& s = *state_;
   const auto step = static_cast<std::uint32_t>(s.steps);
   s.backend->upload(mixture_start(s.map, guesses, s.config.most_particles(), s.config.seed, step));
-  s.odometry = odometry;
+  s.front_end.set_odometry(odometry);
   for (LidarState& lidar : s.lidars) lidar.odometry.reset();  // the next scan counts, however near
   s.last = {};
   s.started = true;
@@ -219,30 +198,25 @@ void ParticleFilter::set_seed(std::uint64_t seed) {
 }
 
 void ParticleFilter::add_odometry(double stamp_s, const Pose& odometry) {
-  state_->track.add(stamp_s, odometry);
+  state_->front_end.add_odometry(stamp_s, odometry);
 }
 
 Estimate ParticleFilter::step(const Pose& odometry, const Scan& scan) {
   State& s = *state_;
   if (!s.started) throw Error(ErrorKind::internal, "ParticleFilter::step before start_at or start_anywhere");
-  if (!finite(odometry)) {
-    ++s.invalid;
-    return s.last;
-  }
-  s.track.add(scan.stamp_s, odometry);
-  if (!s.odometry) s.odometry = odometry;
+  if (!s.front_end.accept(odometry)) return s.last;
+  s.front_end.add_odometry(scan.stamp_s, odometry);
   const std::size_t lidar = s.lidar_of(scan);
-  if (s.gated(s.lidars[lidar].odometry, odometry)) {
+  if (!s.front_end.moved_enough(s.lidars[lidar].odometry, odometry)) {
     Estimate e = s.last;
-    e.pose = compose(s.last.pose, relative(odometry, *s.odometry));
+    e.pose = compose(s.last.pose, relative(odometry, *s.front_end.odometry()));
     e.weighted = e.resampled = false;
     return e;
   }
   const bool weighted = s.take_in(scan, lidar);
-  const OdometryIncrement u = odometry_increment(*s.odometry, odometry, s.config.motion.min_translation_m);
-  s.odometry = s.lidars[lidar].odometry = odometry;
+  s.lidars[lidar].odometry = odometry;
 
-  s.backend->predict(s.motion(u), s.key());  // Paz et al. 2012, eq. 6 to 8
+  s.backend->predict(s.motion_to(odometry), s.key());  // Paz et al. 2012, eq. 6 to 8
   if (weighted) {
     s.backend->set_scan(s.beams);
     s.backend->weight(true);  // algorithms 1 and 3, fused
@@ -267,34 +241,25 @@ const BeamTable& ParticleFilter::last_beams() const {
   return state_->beams;
 }
 BeamTable ParticleFilter::beams(const Scan& scan) const {
-  const State& s = *state_;
-  const LidarSetup setup = lidar_setup(scan, s.config.scan, find_lidar(s.config.lidars, scan.sensor));
-  const bool deskew = takes_time(scan, setup) && s.track.knows_motion();
-  BeamTable beams;
-  BeamCounts counts;
-  select_beams(scan, setup, deskew ? &s.track : nullptr, s.config.sensor, s.map.resolution_m, beams, counts);
-  return beams;
+  return state_->front_end.beams_of(scan, state_->config.sensor, state_->map.resolution_m);
 }
 const std::optional<Pose>& ParticleFilter::odometry() const {
-  return state_->odometry;
+  return state_->front_end.odometry();
 }
 BeamCounts ParticleFilter::beam_counts() const {
-  return state_->intake.total();
+  return state_->front_end.intake().total();
 }
 const std::vector<LidarUse>& ParticleFilter::lidars_used() const {
-  return state_->intake.used();
+  return state_->front_end.intake().used();
 }
 std::vector<EndPoint> ParticleFilter::end_points(const Scan& scan) const {
-  const FilterConfig& c = state_->config;
-  const LidarSetup setup = lidar_setup(scan, c.scan, find_lidar(c.lidars, scan.sensor));
-  const bool deskew = takes_time(scan, setup) && state_->track.knows_motion();
-  return parloc::end_points(scan, setup, deskew ? &state_->track : nullptr);
+  return state_->front_end.end_points_of(scan);
 }
 std::size_t ParticleFilter::odometry_jumps() const {
-  return state_->jumps;
+  return state_->front_end.jumps();
 }
 std::size_t ParticleFilter::odometry_invalid() const {
-  return state_->invalid;
+  return state_->front_end.invalid();
 }
 std::size_t ParticleFilter::steps() const {
   return state_->steps;

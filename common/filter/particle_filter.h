@@ -8,7 +8,7 @@
 #include <string>
 #include <vector>
 
-#include "common/filter/config.h"
+#include "common/filter/filter_config.h"
 #include "common/filter/pose_guess.h"
 #include "common/map/grid_map.h"
 #include "common/math/pose.h"

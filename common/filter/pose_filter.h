@@ -1,11 +1,8 @@
 // Any filter that tracks a pose from a known start, behind one interface: for loops that compare them.
 #pragma once
 
-#include <array>
 #include <cstdint>
-#include <memory>
 #include <string>
-#include <string_view>
 
 #include "common/filter/particle_filter.h"
 
@@ -33,16 +30,5 @@ class PoseFilter {
   /// SHA-256 over what the filter holds and over every step's estimate, hex.
   virtual std::string digest() const = 0;
 };
-
-/// What make_pose_filter knows, in the order in which a table should have them.
-inline constexpr std::array<std::string_view, 9> kPoseFilterNames{
-    "mcl", "amcl", "ekf", "ekf_beams", "edh", "naedh", "ledh", "gromov", "pfpf"};
-
-/// mcl: the particle filter with a fixed number of particles; amcl: the same with one that adapts, 500 to
-/// 3000 unless the configuration says otherwise. The others: common/flow/flow_filter.h. Throws Error{config}
-/// for another name or an impossible configuration, Error{backend}, and Error{input} for a map without free
-/// cells.
-std::unique_ptr<PoseFilter> make_pose_filter(std::string_view name, const FilterConfig& config,
-                                             const GridMap& map);
 
 }  // namespace parloc

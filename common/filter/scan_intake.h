@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-#include "common/filter/config.h"
+#include "common/filter/step_config.h"
 #include "common/model/beams.h"
 
 namespace parloc {

@@ -26,7 +26,7 @@
 #include <cstddef>
 #include <cstdint>
 
-#include "common/filter/config.h"
+#include "common/filter/filter_config.h"
 #include "common/map/ray_cast.h"
 #include "common/model/beam_skip.h"
 #include "common/model/likelihood_field.h"

@@ -24,8 +24,7 @@ enum class FlowGate { off, inflate, reject };
 constexpr int kMostFlowSteps = 100;
 
 struct FlowConfig {
-  int max_beams = 360;  ///< As scan.max_beams, which these filters do not read.
-  int steps = 10;       ///< Pseudo-time steps; the field is linearised anew before each.
+  int steps = 10;  ///< Pseudo-time steps; the field is linearised anew before each.
   FlowIntegrator integrator = FlowIntegrator::automatic;  ///< automatic: euler for edh, else closed_form.
   FlowSchedule schedule = FlowSchedule::uniform;
   double ratio = 1.2;  ///< Of a step to the one before (exponential).

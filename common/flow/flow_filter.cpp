@@ -4,12 +4,11 @@
 #include <cmath>
 #include <optional>
 
-#include "common/config/config.h"
 #include "common/error.h"
 #include "common/filter/map_frame.h"
 #include "common/filter/run_digest.h"
-#include "common/filter/scan_intake.h"
 #include "common/filter/start.h"
+#include "common/filter/step_front_end.h"
 #include "common/flow/flow_backend.h"
 #include "common/flow/mean_update.h"
 
@@ -72,37 +71,24 @@ PoseEstimate cloud_of(const FlowState& s, const Pose& T_map_grid) {
 }  // namespace
 
 struct FlowFilter::State {
-  State(FlowMethod m, const FilterConfig& c) : method(m), config(c), track(c.motion.max_jump_m) {
-    config.scan.max_beams = c.flow.max_beams;
-  }
+  State(FlowMethod m, const FlowFilterConfig& c) : method(m), config(c), front_end(config) {}
 
   FlowMethod method;
-  FilterConfig config;
+  FlowFilterConfig config;
   GridMap map;
   std::unique_ptr<FlowBackend> backend;
   BeamTable beams;
-  OdometryTrack track;
-  ScanIntake intake;
-  std::optional<Pose> odometry;  // at the last step
+  StepFrontEnd front_end;
   Estimate last;
   FlowSkip skip = FlowSkip::no_scan;
-  std::size_t jumps = 0, invalid = 0, stiff = 0, steps = 0;
+  std::size_t stiff = 0, steps = 0;
   bool started = false;
   RunDigest digest;
 
-  std::int64_t particles() const { return is_kalman(method) ? 0 : config.most_particles(); }
-  MotionStep motion(const Pose& now);
+  std::int64_t particles() const { return is_kalman(method) ? 0 : config.particles; }
   Estimate to_estimate(const FlowState& s) const;
   void remember(const FlowState& s, const Estimate& e);
 };
-
-MotionStep FlowFilter::State::motion(const Pose& now) {
-  const OdometryIncrement u = odometry_increment(*odometry, now, config.motion.min_translation_m);
-  const double length_m = std::fabs(u.trans_m), most_m = config.motion.max_jump_m;
-  const bool jump = length_m > most_m;
-  jumps += jump ? 1 : 0;
-  return motion_step(u, config.motion, jump ? length_m / most_m : 1.0);
-}
 
 Estimate FlowFilter::State::to_estimate(const FlowState& s) const {
   Estimate e;
@@ -133,7 +119,7 @@ void FlowFilter::State::remember(const FlowState& s, const Estimate& e) {
   last = e;
 }
 
-FlowFilter::FlowFilter(FlowMethod method, const FilterConfig& config, const GridMap& map)
+FlowFilter::FlowFilter(FlowMethod method, const FlowFilterConfig& config, const GridMap& map)
     : state_(std::make_unique<State>(method, config)) {
   validate(config);
   check_has_free_cell(map);
@@ -154,13 +140,11 @@ void FlowFilter::start_at(const Pose& pose, double sigma_x_m, double sigma_y_m, 
   s.backend->start(
       gaussian_start(s.map, pose, sigma_x_m, sigma_y_m, sigma_theta_rad, s.particles(), s.config.seed),
       start_gaussian(s.map, pose, sigma_x_m, sigma_y_m, sigma_theta_rad));
-  s.odometry.reset();
-  s.track.clear();
-  s.intake.clear();
+  s.front_end.clear();
   s.last = {};
   s.last.pose = pose;
   s.skip = FlowSkip::no_scan;
-  s.jumps = s.invalid = s.stiff = s.steps = 0;
+  s.stiff = s.steps = 0;
   s.digest = {};
   s.started = true;
 }
@@ -170,24 +154,20 @@ void FlowFilter::set_seed(std::uint64_t seed) {
 }
 
 void FlowFilter::add_odometry(double stamp_s, const Pose& odometry) {
-  state_->track.add(stamp_s, odometry);
+  state_->front_end.add_odometry(stamp_s, odometry);
 }
 
 Estimate FlowFilter::step(const Pose& odometry, const Scan& scan) {
   State& s = *state_;
   if (!s.started) throw Error(ErrorKind::internal, "FlowFilter::step before start_at");
-  if (!std::isfinite(odometry.x_m) || !std::isfinite(odometry.y_m) || !std::isfinite(odometry.theta_rad)) {
-    ++s.invalid;
-    return s.last;
-  }
-  s.track.add(scan.stamp_s, odometry);
-  if (!s.odometry) s.odometry = odometry;
-  const FilterConfig& c = s.config;
-  const bool enough = s.intake.take(scan, s.intake.lidar_of(scan), c.scan, c.lidars, c.sensor, s.track,
-                                    s.map.resolution_m, s.beams) &&
+  if (!s.front_end.accept(odometry)) return s.last;
+  s.front_end.add_odometry(scan.stamp_s, odometry);
+  const FlowFilterConfig& c = s.config;
+  // What the sensor models of a particle filter need of a beam is not read here.
+  const bool enough = s.front_end.take(scan, SensorConfig{}, s.map.resolution_m, s.beams) &&
                       s.beams.hits >= static_cast<std::size_t>(c.scan.min_beams);
-  const MotionStep motion = s.motion(odometry);
-  s.odometry = odometry;
+  const Movement movement = s.front_end.move_to(odometry);
+  const MotionStep motion = motion_step(movement.increment, c.motion, movement.inflation);
   const RandomKey key{c.seed, static_cast<std::uint32_t>(s.steps)};
   const FlowState& state = s.backend->step(motion, key, enough ? &s.beams : nullptr);
   const Estimate e = s.to_estimate(state);
@@ -205,16 +185,16 @@ std::vector<Particle> FlowFilter::particles(std::size_t most) const {
 }
 
 BeamCounts FlowFilter::beam_counts() const {
-  return state_->intake.total();
+  return state_->front_end.intake().total();
 }
 const std::vector<LidarUse>& FlowFilter::lidars_used() const {
-  return state_->intake.used();
+  return state_->front_end.intake().used();
 }
 std::size_t FlowFilter::odometry_jumps() const {
-  return state_->jumps;
+  return state_->front_end.jumps();
 }
 std::size_t FlowFilter::odometry_invalid() const {
-  return state_->invalid;
+  return state_->front_end.invalid();
 }
 std::size_t FlowFilter::stiff_scans() const {
   return state_->stiff;
@@ -225,7 +205,7 @@ std::size_t FlowFilter::steps() const {
 std::string FlowFilter::backend_name() const {
   return state_->backend->name();
 }
-const FilterConfig& FlowFilter::config() const {
+const FlowFilterConfig& FlowFilter::config() const {
   return state_->config;
 }
 const GridMap& FlowFilter::map() const {

@@ -7,17 +7,17 @@
 #include <vector>
 
 #include "common/filter/pose_filter.h"
+#include "common/flow/flow_filter_config.h"
 
 namespace parloc {
 
 /// One of the filters of FlowMethod. They differ in what a scan does, and share all else: motion, beams,
-/// field, backends. Kalman filters are the ones without particles. Of the configuration they read the top
-/// level, motion, scan (but for max_beams), lidars, flow, and pfpf also resample; every scan counts, whatever
-/// update_min_d and update_min_a say.
+/// field, backends. Kalman filters are the ones without particles. Only pfpf reads `resample`.
+/// Every scan counts, whatever update_min_d and update_min_a say.
 class FlowFilter final : public PoseFilter {
  public:
   /// Throws as ParticleFilter.
-  FlowFilter(FlowMethod method, const FilterConfig& config, const GridMap& map);
+  FlowFilter(FlowMethod method, const FlowFilterConfig& config, const GridMap& map);
   ~FlowFilter() override;
 
   void start_at(const Pose& pose_in_map, double sigma_x_m, double sigma_y_m, double sigma_theta_rad) override;
@@ -41,7 +41,7 @@ class FlowFilter final : public PoseFilter {
   /// Steps in pseudo-time lag behind: scans taken in by Euler steps where the prior is so much wider than the
   /// measurement (s / r above 100) that they leave the cloud twice too wide or more.
   std::size_t stiff_scans() const;
-  const FilterConfig& config() const;
+  const FlowFilterConfig& config() const;
   const GridMap& map() const;
 
  private:

@@ -13,7 +13,7 @@ bool ScanStream::next(LogRecord& scan) {
     if (!read_record()) return false;
   scan = std::move(waiting_.front());
   waiting_.pop_front();
-  const LidarSetup setup = lidar_setup(scan.scan, config_.scan, find_lidar(config_.lidars, scan.scan.sensor));
+  const LidarSetup setup = lidar_setup(scan.scan, scan_, find_lidar(lidars_, scan.scan.sensor));
   const double until_s = scan.stamp_s + latest_beam_s(scan.scan, setup);
   // Stamps may run backwards: not for ever.
   constexpr int farthest = 1000;

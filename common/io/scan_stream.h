@@ -6,11 +6,13 @@
 #include <functional>
 #include <limits>
 #include <string>
+#include <utility>
+#include <vector>
 
 #include "common/error.h"
-#include "common/filter/config.h"
 #include "common/io/log.h"
 #include "common/io/trajectory.h"
+#include "common/model/scan_config.h"
 
 namespace parloc {
 
@@ -18,9 +20,11 @@ namespace parloc {
 /// known.
 class ScanStream {
  public:
-  /// `check` is called after each record with its line, and with 0 at the end of the log; it may throw.
-  ScanStream(LogReader& log, const FilterConfig& config, std::function<void(std::size_t line)> check)
-      : log_(log), config_(config), check_(std::move(check)) {}
+  /// `scan` and `lidars` outlive this. `check` is called after each record with its line, and with 0 at the
+  /// end of the log; it may throw.
+  ScanStream(LogReader& log, const ScanConfig& scan, const std::vector<LidarConfig>& lidars,
+             std::function<void(std::size_t line)> check)
+      : log_(log), scan_(scan), lidars_(lidars), check_(std::move(check)) {}
 
   /// False at the end of the log.
   bool next(LogRecord& scan);
@@ -36,7 +40,8 @@ class ScanStream {
   bool read_record();
 
   LogReader& log_;
-  const FilterConfig& config_;
+  const ScanConfig& scan_;
+  const std::vector<LidarConfig>& lidars_;
   std::function<void(std::size_t)> check_;
   std::deque<LogRecord> waiting_;
   Trajectory odometry_;

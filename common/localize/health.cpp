@@ -7,7 +7,7 @@ namespace {
 
 constexpr double kMemory_s = 0.4;  // of the running mean
 
-/// Logistic regression of "is right" on the evidence: docs/results/health.md says on what, and how well it
+/// Logistic regression of "is right" on the evidence: docs/localize.md says on what, and how well it
 /// fits.
 constexpr double kOffset = -3.0, kSlope = 6.0;
 

@@ -24,7 +24,7 @@ class HealthMonitor {
 
   /// After a scan was weighed. `evidence` is that of the scan at the estimated pose, `share` the weight of
   /// the particles around that pose, 0 to 1. The probability is that of the scans, calibrated
-  /// (docs/results/health.md), times the share.
+  /// (docs/localize.md), times the share.
   Health update(double stamp_s, double evidence, double share);
 
  private:

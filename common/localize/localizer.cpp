@@ -24,27 +24,15 @@ constexpr double kUnsettled = 0.7;
 /// A hypothesis this close to a mode is the same place.
 constexpr double kSame_m = 1.0, kSame_rad = 0.5;
 
-bool finite(const Pose& p) {
-  return std::isfinite(p.x_m) && std::isfinite(p.y_m) && std::isfinite(p.theta_rad);
-}
 bool same_place(const Pose& a, const Pose& b) {
   return distance_m(a, b) < kSame_m && turn_rad(a, b) < kSame_rad;
 }
 
 }  // namespace
 
-LocalizerConfig localizer_config(const FilterConfig& config) {
-  LocalizerConfig c;
-  c.filter = config;
-  c.search = config.search;
-  c.search.backend = config.backend, c.search.threads = config.threads, c.search.device = config.device;
-  c.recover = config.localize.recover;
-  return c;
-}
-
 struct Localizer::State {
   State(const LocalizerConfig& c, const GridMap& map)
-      : config(c), filter(c.filter, map), judge(map, c.search.effective_beams) {}
+      : config(c), filter(c, map), judge(map, c.search.effective_beams) {}
 
   void begin(bool is_lost, bool is_settled, const SearchPrior& known);
   std::vector<Mode> modes_at(const Pose& odometry) const;
@@ -90,19 +78,19 @@ void Localizer::State::begin(bool is_lost, bool is_settled, const SearchPrior& k
 bool Localizer::State::search_is_due(const Pose& odometry, double stamp_s) const {
   // With several guesses a scan is weighed before anything else is looked for.
   if (settled || (!lost && !filter.odometry())) return false;
-  if (!config.recover && placed) return false;
-  if (lost && placed && lost_since_s && std::fabs(stamp_s - *lost_since_s) < config.search_after_s)
+  if (!config.localize.recover && placed) return false;
+  if (lost && placed && lost_since_s && std::fabs(stamp_s - *lost_since_s) < config.localize.search_after_s)
     return false;
   if (!searched_s) return true;
-  if (std::fabs(stamp_s - *searched_s) < config.search_every_s) return false;
-  return lost || distance_m(odometry, searched_odometry) >= config.search_every_m ||
-         turn_rad(odometry, searched_odometry) >= config.search_every_rad;
+  if (std::fabs(stamp_s - *searched_s) < config.localize.search_every_s) return false;
+  return lost || distance_m(odometry, searched_odometry) >= config.localize.search_every_m ||
+         turn_rad(odometry, searched_odometry) >= config.localize.search_every_rad;
 }
 
 /// Every place where this scan may have been taken, weighed by what is remembered, the most likely first.
 std::vector<Hypothesis> Localizer::State::search_map(const Pose& odometry, const BeamTable& beams,
                                                      LocalizerEstimate& out) {
-  if (!search) search = std::make_unique<GlobalSearch>(filter.map(), config.search);
+  if (!search) search = std::make_unique<GlobalSearch>(filter.map(), config.search, config);
   std::vector<Hypothesis> found = search->search(beams, prior).hypotheses;
   ++searches;
   out.searched = true;
@@ -199,7 +187,7 @@ bool Localizer::State::fits_again(const Pose& odometry, const BeamTable& beams) 
 /// Before a scan is weighed: whether there are other places where the robot may be.
 void Localizer::State::settle(const Pose& odometry, const Scan& scan, LocalizerEstimate& out) {
   const bool search_now = search_is_due(odometry, scan.stamp_s);
-  if (!search_now && (settled || lost || !config.recover || !filter.odometry())) return;
+  if (!search_now && (settled || lost || !config.localize.recover || !filter.odometry())) return;
   const BeamTable beams = filter.beams(scan);
   if (!search_now) return drop_refuted(odometry, beams);
   if (lost && fits_again(odometry, beams)) return;
@@ -223,7 +211,7 @@ void Localizer::State::watch(const Pose& odometry, double stamp_s, LocalizerEsti
   }
   if (settled || (lost && !was_lost)) judge.forget();  // it may have been put somewhere else
   if (!settled) judge.remember(odometry, filter.last_beams());
-  if (settled || !config.recover) return;
+  if (settled || !config.localize.recover) return;
   last.probability *= kUnsettled;
   if (last.state == HealthState::tracking) last.state = HealthState::ambiguous;
 }
@@ -263,7 +251,7 @@ void Localizer::add_odometry(double stamp_s, const Pose& odometry) {
 LocalizerEstimate Localizer::step(const Pose& odometry, const Scan& scan) {
   State& s = *state_;
   LocalizerEstimate out;
-  if (!finite(odometry)) {  // nothing moves, nothing is learnt
+  if (!is_finite(odometry)) {  // nothing moves, nothing is learnt
     out.filter = s.filter.step(odometry, scan);
     out.health = s.last;
     return out;

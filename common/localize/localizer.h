@@ -8,23 +8,12 @@
 
 #include "common/filter/particle_filter.h"
 #include "common/localize/health.h"
+#include "common/localize/localizer_config.h"
 #include "common/localize/modes.h"
 #include "common/map/grid_map.h"
 #include "common/search/search_config.h"
 
 namespace parloc {
-
-struct LocalizerConfig {
-  FilterConfig filter;
-  SearchConfig search;
-  bool recover = true;          ///< Search the map after the start. Else it only says how sure it is.
-  double search_after_s = 1.0;  ///< Lost for so long: fewer bad scans pass by themselves.
-  double search_every_s = 0.5;  ///< Between two searches at least, and while it is not lost also ...
-  double search_every_m = 0.3, search_every_rad = 0.3;  ///< ... this much of driving or turning.
-};
-
-/// As a configuration file has it: its search and localize settings, the search on the filter's backend.
-LocalizerConfig localizer_config(const FilterConfig& config);
 
 /// What a localizer says after a scan.
 struct LocalizerEstimate {

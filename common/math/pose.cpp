@@ -23,6 +23,10 @@ Pose inverse(const Pose& a) {
   return relative(Pose{}, a);
 }
 
+bool is_finite(const Pose& pose) {
+  return __builtin_isfinite(pose.x_m) && __builtin_isfinite(pose.y_m) && __builtin_isfinite(pose.theta_rad);
+}
+
 double distance_m(const Pose& a, const Pose& b) {
   const double dx = b.x_m - a.x_m, dy = b.y_m - a.y_m;
   return std::sqrt(dx * dx + dy * dy);

@@ -23,6 +23,9 @@ Pose inverse(const Pose& a);
 /// Between their places.
 double distance_m(const Pose& a, const Pose& b);
 
+/// Whether all three are numbers.
+bool is_finite(const Pose& pose);
+
 /// Between their headings, 0 to pi.
 double turn_rad(const Pose& a, const Pose& b);
 

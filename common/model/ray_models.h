@@ -147,6 +147,11 @@ inline RayModels bind_ray_models(const SensorConfig& c, float range_max_m) {
   return {bind_gaussian(c), bind_s5(c, range_max_m), bind_censored(c, range_max_m)};
 }
 
+// A model of the enumeration that is missing below must not run as another one: it does not compile.
+#if defined(__GNUC__) && !defined(__CUDACC__)
+#pragma GCC diagnostic push
+#pragma GCC diagnostic error "-Wswitch"
+#endif
 /// use(the model chosen). The one list of the models that cast rays.
 template <class Use>
 PARLOC_HD auto with_ray_model(const RayModels& models, SensorModel chosen, const Use& use) {
@@ -157,9 +162,16 @@ PARLOC_HD auto with_ray_model(const RayModels& models, SensorModel chosen, const
       return use(models.s5);
     case SensorModel::class_conditional:
       return use(ClassConditionalBeam{models.censored});
-    default:
+    case SensorModel::beam:
       return use(models.censored);
+    case SensorModel::likelihood_field:
+    case SensorModel::likelihood_field_prob:
+      break;  // They cast no rays, so nobody asks.
   }
+  return use(models.censored);
 }
+#if defined(__GNUC__) && !defined(__CUDACC__)
+#pragma GCC diagnostic pop
+#endif
 
 }  // namespace parloc

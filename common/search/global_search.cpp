@@ -19,7 +19,8 @@ void expect(bool good, const char* setting, const char* limits) {
   if (!good) throw Error(ErrorKind::config, std::string("search.") + setting + ": expected " + limits);
 }
 
-std::unique_ptr<SearchBackend> choose_backend(const SearchMap& map, const SearchConfig& c, std::string& why) {
+std::unique_ptr<SearchBackend> choose_backend(const SearchMap& map, const ComputeConfig& c,
+                                              std::string& why) {
   if (takes_cuda(c.backend, why)) {
     if constexpr (PARLOC_WITH_CUDA != 0) return make_cuda_search(map, c.device);
   }
@@ -48,18 +49,17 @@ void validate(const SearchConfig& c) {
   expect(c.effective_beams > 0.0 && c.effective_beams <= 4096.0, "effective_beams",
          "a number above 0, at most 4096");
   expect(c.ambiguous_share >= 0.0 && c.ambiguous_share <= 1.0, "ambiguous_share", "a number from 0 to 1");
-  expect(c.threads >= 0 && c.threads <= 4096, "threads", "a whole number from 0 to 4096");
 }
 
 struct GlobalSearch::State {
-  State(const GridMap& grid, const SearchConfig& c)
+  State(const GridMap& grid, const SearchConfig& c, const ComputeConfig& compute)
       : config(c),
         T_map_grid(grid.T_map_grid),
         name(grid.name),
         resolution_m(grid.resolution_m),
         map(make_search_map(grid, c)),
         judge(grid, map),
-        backend(choose_backend(map, c, why)) {
+        backend(choose_backend(map, compute, why)) {
     if (map.free_count == 0) throw Error(ErrorKind::input, name + ": the map has no free cell");
   }
 
@@ -134,9 +134,10 @@ void GlobalSearch::State::set_headings(const SearchPrior::Interval& interval, Se
   t.heading_count = std::min(t.headings, static_cast<std::int32_t>(high) - first + 1);
 }
 
-GlobalSearch::GlobalSearch(const GridMap& map, const SearchConfig& config) {
+GlobalSearch::GlobalSearch(const GridMap& map, const SearchConfig& config, const ComputeConfig& compute) {
   validate(config);
-  state_ = std::make_unique<State>(map, config);
+  expect(compute.threads >= 0 && compute.threads <= 4096, "threads", "a whole number from 0 to 4096");
+  state_ = std::make_unique<State>(map, config, compute);
 }
 GlobalSearch::~GlobalSearch() = default;
 GlobalSearch::GlobalSearch(GlobalSearch&&) noexcept = default;

@@ -7,10 +7,11 @@
 #include <string>
 #include <vector>
 
-#include "common/filter/config.h"
+#include "common/filter/compute_config.h"
 #include "common/map/grid_map.h"
 #include "common/math/pose.h"
 #include "common/model/scan.h"
+#include "common/model/scan_config.h"
 #include "common/search/search_config.h"
 
 namespace parloc {
@@ -50,7 +51,8 @@ class GlobalSearch {
  public:
   /// Everything that depends on the map alone. Throws Error{input} for a map without free cells,
   /// Error{config} for an impossible configuration, Error{backend} if the backend is not there.
-  explicit GlobalSearch(const GridMap& map, const SearchConfig& config = {});
+  explicit GlobalSearch(const GridMap& map, const SearchConfig& config = {},
+                        const ComputeConfig& compute = {});
   ~GlobalSearch();
   GlobalSearch(GlobalSearch&&) noexcept;
   GlobalSearch& operator=(GlobalSearch&&) noexcept;

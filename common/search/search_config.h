@@ -3,8 +3,6 @@
 
 #include <optional>
 
-#include "common/filter/backend_choice.h"
-
 namespace parloc {
 
 struct SearchConfig {
@@ -22,9 +20,6 @@ struct SearchConfig {
   int most = 10;                 ///< Hypotheses in the answer.
   double effective_beams = 6.0;  ///< Independent beams that a scan is worth: how sharply weights differ.
   double ambiguous_share = 0.1;  ///< A weight above this share of the best is as good as equal.
-  BackendChoice backend = BackendChoice::automatic;
-  int threads = 0;  ///< CPU: 0 is all cores.
-  int device = 0;   ///< CUDA: index of the device.
 };
 
 /// What is known of the pose beforehand, in the map frame. What is empty may be anything.

@@ -4,11 +4,10 @@
 #include <cmath>
 #include <optional>
 
-#include "common/config/config.h"
 #include "common/error.h"
 #include "common/file/bytes.h"
 #include "common/file/output_file.h"
-#include "common/filter/scan_intake.h"
+#include "common/filter/step_front_end.h"
 #include "common/math/sha256.h"
 #include "common/slam/checkpoint_frame.h"
 #include "common/slam/checkpoint_values.h"
@@ -16,6 +15,7 @@
 #include "common/slam/path_tree.h"
 #include "common/slam/scan_odometry.h"
 #include "common/slam/slam_backend.h"
+#include "common/slam/slam_settings.h"
 #include "common/slam/sub_maps.h"
 
 namespace parloc {
@@ -54,11 +54,6 @@ SlamRecord get_record(ByteReader& r) {
   return {stamp_s, n_eff, resampled, tiles, static_cast<std::size_t>(r.get<std::uint64_t>())};
 }
 
-FilterConfig with_own_beams(FilterConfig c) {
-  c.scan.max_beams = c.slam.max_beams;
-  return c;
-}
-
 /// All that the tables cover, row by row; cells without a tile are zero.
 void add_cells(Sha256& sha, const SlamCells& cells) {
   const std::int32_t i0 = cells.first_i - cells.span.first_i * kTileCells;
@@ -89,19 +84,14 @@ void expect_a_scan(const std::vector<SlamRecord>& records) {
 }  // namespace
 
 struct GridSlam::State {
-  explicit State(const FilterConfig& c)
-      : config(with_own_beams(c)),
-        track(c.motion.max_jump_m),
-        paths(static_cast<std::size_t>(c.slam.particles)),
-        sub_maps(c.slam) {}
+  explicit State(const GridSlamConfig& c)
+      : config(c), front_end(config), paths(static_cast<std::size_t>(c.slam.particles)), sub_maps(c.slam) {}
 
-  FilterConfig config;
+  GridSlamConfig config;
   std::unique_ptr<SlamBackend> backend;
-  OdometryTrack track;
-  ScanIntake intake;
+  StepFrontEnd front_end;  ///< Its odometry is that of the last scan that counted.
   BeamTable beams;
   std::optional<ScanOdometry> scan_odometry;  ///< In place of the recorded one.
-  std::optional<Pose> odometry;               ///< At the last scan that counted.
   std::vector<Moment> moments;
   std::vector<Pose> odometry_of;  ///< By step.
   std::vector<BeamTable> scans;   ///< By step, only where loops are to be closed.
@@ -111,25 +101,22 @@ struct GridSlam::State {
   const SlamStep* last = nullptr;
   std::optional<ClosedPath> closed;  ///< Of the steps so far, once it was asked for.
 
-  bool far_enough(const Pose& now) const {
-    return !odometry || distance_m(*odometry, now) >= config.slam.update_min_d ||
-           turn_rad(*odometry, now) >= config.slam.update_min_a;
-  }
+  bool far_enough(const Pose& now) const { return front_end.moved_enough(front_end.odometry(), now); }
   /// Puts the scan's own odometry, if so set, in place of the recorded one; whether the scan is one to take
   /// in.
   bool next_odometry(Pose& now, const Scan& scan) {
     if (!scan_odometry) {
-      track.add(scan.stamp_s, now);
+      front_end.add_odometry(scan.stamp_s, now);
       return far_enough(now) && take_in(scan);
     }
     const bool enough = take_in(scan);
-    now = scan_odometry->step(scan.stamp_s, beams, intake.lidar_of(scan), enough);
-    track.add(scan.stamp_s, now);
+    now = scan_odometry->step(scan.stamp_s, beams, front_end.lidar_of(scan), enough);
+    front_end.add_odometry(scan.stamp_s, now);
     return enough && far_enough(now);
   }
+  /// What the sensor models of a filter on a map need of a beam is not read here.
   bool take_in(const Scan& scan) {
-    return intake.take(scan, intake.lidar_of(scan), config.scan, config.lidars, config.sensor, track,
-                       config.slam.resolution, beams) &&
+    return front_end.take(scan, SensorConfig{}, config.slam.resolution, beams) &&
            beams.hits >= static_cast<std::size_t>(config.scan.min_beams);
   }
   Pose pose_at(const Moment& m, const std::vector<Pose>& path) const;
@@ -148,7 +135,7 @@ struct GridSlam::State {
   void load(ByteReader& r);
 };
 
-GridSlam::GridSlam(const FilterConfig& config) : state_(std::make_unique<State>(config)) {
+GridSlam::GridSlam(const GridSlamConfig& config) : state_(std::make_unique<State>(config)) {
   validate(config);
   std::string why;
   state_->backend = make_slam_backend(config.backend, {config.slam, config.threads, config.device}, why);
@@ -165,7 +152,7 @@ void GridSlam::save(const std::string& path, const std::string& own) const {
   FileReplacement file(path);
   ByteWriter w([&](const void* data, std::size_t size) { file.write(data, size); });
   put_checkpoint_begin(w);
-  w.put_text(config_to_yaml(state_->config));
+  w.put_text(settings_to_yaml(settings_of(state_->config)));
   w.put_text(own);
   state_->save(w);
   put_checkpoint_end(w);
@@ -174,10 +161,10 @@ void GridSlam::save(const std::string& path, const std::string& own) const {
 
 void GridSlam::State::save(ByteWriter& w) const {
   put_backend(w, *backend);
-  put_trajectory(w, track.readings());
-  put_lidars(w, intake.used());
-  w.put_bool(odometry.has_value());
-  if (odometry) put_pose(w, *odometry);
+  put_trajectory(w, front_end.track().readings());
+  put_lidars(w, front_end.intake().used());
+  w.put_bool(front_end.odometry().has_value());
+  if (front_end.odometry()) put_pose(w, *front_end.odometry());
   w.put_each(moments, put_moment);
   w.put_each(odometry_of, put_pose);
   w.put_each(records, put_record);
@@ -189,9 +176,9 @@ void GridSlam::State::save(ByteWriter& w) const {
 
 void GridSlam::State::load(ByteReader& r) {
   last = &get_backend(r, *backend, config.slam);
-  track.set_readings(get_readings(r));
-  intake.set_used(get_lidars(r));
-  if (r.get_bool()) odometry = get_pose(r);
+  front_end.track().set_readings(get_readings(r));
+  front_end.intake().set_used(get_lidars(r));
+  if (r.get_bool()) front_end.set_odometry(get_pose(r));
   moments = r.get_each(41, get_moment);
   odometry_of = r.get_each(24, get_pose);
   records = r.get_each(33, get_record);
@@ -203,7 +190,8 @@ void GridSlam::State::load(ByteReader& r) {
   if (config.slam.close_loops) scans = r.get_each(84, get_beams);
   r.expect(r.left() == 0, "its end");
   const std::size_t steps = records.size();
-  r.expect(odometry_of.size() == steps && paths.steps() == steps && odometry.has_value() == (steps > 0) &&
+  r.expect(odometry_of.size() == steps && paths.steps() == steps &&
+               front_end.odometry().has_value() == (steps > 0) &&
                (!config.slam.close_loops || scans.size() == steps),
            "as much of everything as there were scans");
   for (const Moment& m : moments) r.expect(m.step < steps, "scans between those that counted");
@@ -211,26 +199,24 @@ void GridSlam::State::load(ByteReader& r) {
 }
 
 void GridSlam::add_odometry(double stamp_s, const Pose& odometry) {
-  if (!state_->scan_odometry) state_->track.add(stamp_s, odometry);
+  if (!state_->scan_odometry) state_->front_end.add_odometry(stamp_s, odometry);
 }
 
 bool GridSlam::step(const Pose& recorded, const Scan& scan) {
   State& s = *state_;
   Pose odometry = recorded;
+  if (!s.scan_odometry && !s.front_end.accept(odometry)) return false;
   const bool counts = s.next_odometry(odometry, scan);
   if (!counts) {
-    if (s.odometry) s.moments.push_back({scan.stamp_s, odometry, s.records.size() - 1, false});
+    if (s.front_end.odometry()) s.moments.push_back({scan.stamp_s, odometry, s.records.size() - 1, false});
     return false;
   }
-  const OdometryIncrement u =
-      s.odometry ? odometry_increment(*s.odometry, odometry, s.config.motion.min_translation_m)
-                 : OdometryIncrement{};
+  const OdometryIncrement u = s.front_end.move_to(odometry).increment;
   const RandomKey key{s.config.seed, static_cast<std::uint32_t>(s.records.size())};
   s.sub_maps.give_back(*s.backend, std::fabs(u.trans_m));
   s.backend->move(motion_step(u, s.config.motion), key, s.beams);
   s.sub_maps.make_room(*s.backend);
   s.last = &s.backend->write();
-  s.odometry = odometry;
   s.odometry_of.push_back(odometry);
   if (s.config.slam.close_loops) s.scans.push_back(s.beams);
   s.closed.reset();
@@ -370,10 +356,13 @@ std::optional<ScanOdometryCounts> GridSlam::scan_odometry() const {
   return s.scan_odometry ? std::optional(s.scan_odometry->state().counts) : std::nullopt;
 }
 const std::vector<LidarUse>& GridSlam::lidars_used() const {
-  return state_->intake.used();
+  return state_->front_end.intake().used();
 }
-const FilterConfig& GridSlam::config() const {
+const GridSlamConfig& GridSlam::config() const {
   return state_->config;
+}
+std::size_t GridSlam::odometry_invalid() const {
+  return state_->front_end.invalid();
 }
 std::string GridSlam::backend_name() const {
   return state_->backend->name();

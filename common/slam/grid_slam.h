@@ -9,11 +9,11 @@
 #include <string>
 #include <vector>
 
-#include "common/filter/config.h"
 #include "common/map/grid_map.h"
 #include "common/model/beam_counts.h"
 #include "common/model/scan.h"
 #include "common/model/trajectory.h"
+#include "common/slam/grid_slam_config.h"
 #include "common/slam/loop_counts.h"
 #include "common/slam/scan_odometry_counts.h"
 #include "common/slam/slam_checkpoint.h"
@@ -40,9 +40,8 @@ struct SlamMemory {
 /// Not thread-safe; trajectory(), map(), loops() and digest() are not either, const as they are.
 class GridSlam {
  public:
-  /// Reads particles..seed, motion, scan, lidars and slam of the configuration. Throws Error{config} and
-  /// Error{backend}.
-  explicit GridSlam(const FilterConfig& config);
+  /// Throws Error{config} and Error{backend}.
+  explicit GridSlam(const GridSlamConfig& config);
   /// Goes on from what save() wrote: the same input then gives the same bits as if there had been no break.
   /// Throws Error{input} for a state that makes no sense, Error{config} if checkpoint.config has become
   /// another in more than backend, threads and device.
@@ -56,7 +55,8 @@ class GridSlam {
   void add_odometry(double stamp_s, const Pose& odometry);
   /// Takes a scan in if the robot has moved far enough since the last one that counted; whether it did. The
   /// map frame's origin is where the first scan was taken.
-  /// With slam.odometry `scans` the odometry handed over, here and above, is not looked at.
+  /// Non-finite odometry is skipped and counted. With slam.odometry `scans` the odometry handed over, here
+  /// and above, is not looked at.
   bool step(const Pose& odometry, const Scan& scan);
 
   /// Slot of the most likely particle.
@@ -87,7 +87,8 @@ class GridSlam {
   /// What became of the scans; nothing with recorded odometry.
   std::optional<ScanOdometryCounts> scan_odometry() const;
   const std::vector<LidarUse>& lidars_used() const;  ///< By LiDAR, in the order in which they came.
-  const FilterConfig& config() const;
+  std::size_t odometry_invalid() const;              ///< Scans skipped because their odometry was not finite.
+  const GridSlamConfig& config() const;
   std::string backend_name() const;
   std::string digest() const;  ///< Of trajectory() and the cells of map().
 

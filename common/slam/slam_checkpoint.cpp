@@ -11,11 +11,12 @@
 #include <utility>
 #include <vector>
 
-#include "common/config/config.h"
 #include "common/error.h"
 #include "common/file/bytes.h"
+#include "common/settings/read_settings.h"
 #include "common/slam/checkpoint_frame.h"
 #include "common/slam/slam_backend.h"
+#include "common/slam/slam_settings.h"
 
 namespace parloc {
 namespace {
@@ -23,7 +24,7 @@ namespace {
 // Magic, version (32 bits), content, SHA-256 of all that in hexadecimal.
 constexpr std::string_view kMagic = "parloc slam checkpoint\n";
 /// To be raised with every change of what is written, here and in GridSlam.
-constexpr std::uint32_t kVersion = 2;
+constexpr std::uint32_t kVersion = 3;
 constexpr std::size_t kHeadBytes = kMagic.size() + sizeof kVersion;
 constexpr std::size_t kChecksumBytes = 64;
 
@@ -89,7 +90,8 @@ void SlamCheckpoint::open(std::unique_ptr<std::istream> in) {
   const std::uint64_t size = seek_content(*in_, name_);
   rest_ = std::make_unique<ByteReader>(*in_, size, name_);
   try {
-    saved_config_ = config_from_text(rest_->get_text(), name_);
+    Settings settings = settings_of(saved_config_);
+    SettingsText(rest_->get_text(), name_, settings).set_all(settings);
     validate(saved_config_);
     bind_propose_rules(saved_config_.slam);  // refuses what a backend would
   } catch (const Error& e) {

@@ -5,7 +5,7 @@
 #include <memory>
 #include <string>
 
-#include "common/filter/config.h"
+#include "common/slam/grid_slam_config.h"
 
 namespace parloc {
 
@@ -25,7 +25,7 @@ class SlamCheckpoint {
   const std::string& name() const { return name_; }
   /// What the state was made with. Backend, threads and device may be set to others before going on, nothing
   /// else: the bits are the same everywhere.
-  FilterConfig config;
+  GridSlamConfig config;
   /// What the caller of save() gave besides.
   std::string own;
 
@@ -34,7 +34,7 @@ class SlamCheckpoint {
   void open(std::unique_ptr<std::istream> in);
 
   std::string name_;
-  FilterConfig saved_config_;
+  GridSlamConfig saved_config_;
   std::unique_ptr<std::istream> in_;
   std::unique_ptr<ByteReader> rest_;
 };

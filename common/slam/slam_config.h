@@ -26,11 +26,8 @@ struct SlamConfig {
   std::int64_t particles = 30;
   SlamProposal proposal = SlamProposal::scan_match;
   SlamOdometry odometry = SlamOdometry::recorded;
-  int max_beams = 180;       ///< As scan.max_beams, which this filter does not read; at most kMostSlamBeams.
-  double resolution = 0.05;  ///< Cell size [m].
+  double resolution = 0.05;           ///< Cell size [m].
   double usable_range = 30.0;         ///< Beams are cut here: farther ends are not matched or drawn [m].
-  double update_min_d = 0.25;         ///< Take a scan in after this much translation [m] ...
-  double update_min_a = 0.25;         ///< ... or this much rotation [rad].
   double resample_threshold = 0.5;    ///< Resample when N_eff < threshold * N; 1 or more: every scan.
   double beta_weight = 0.005;         ///< Exponent of a scan's likelihood in the weights.
   double beta_proposal = 1.0;         ///< ... in the Gaussian proposal.

@@ -8,6 +8,8 @@
 
 #include <string>
 
+#include "common/config/config.h"
+#include "common/config/pose_filters.h"
 #include "common/flow/flow_filter.h"
 #include "common/model/beams.h"
 #include "tests/bench/bench_hall.h"
@@ -25,7 +27,7 @@ const Place& hall() {
 void step(benchmark::State& state, const std::string& name, BackendChoice backend, std::int64_t particles,
           int threads) {
   const Place& place = hall();
-  FilterConfig config;
+  Config config;
   config.backend = backend;
   config.particles = particles;
   config.threads = threads;

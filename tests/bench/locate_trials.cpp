@@ -194,7 +194,6 @@ SearchConfig config_of(const Options& o) {
   c.most = static_cast<int>(o.number("--top", c.most));
   c.effective_beams = o.number("--effective", c.effective_beams);
   c.ambiguous_share = o.number("--ambiguous", c.ambiguous_share);
-  c.threads = static_cast<int>(o.number("--threads", c.threads));
   return c;
 }
 
@@ -206,7 +205,7 @@ int run(const Options& o) {
   else
     trials = logged(o);
   const Clock::time_point begun = Clock::now();
-  GlobalSearch search(map, config_of(o));
+  GlobalSearch search(map, config_of(o), {.threads = static_cast<int>(o.number("--threads", 0))});
   const double built_s = seconds_since(begun);
   ScanConfig scan_config;
   scan_config.max_beams = static_cast<int>(o.number("--scan-beams", 180));

@@ -14,9 +14,9 @@
 namespace {
 
 /// A step of a large map takes long, and is another test's matter.
-bool is_small(const parloc::FilterConfig& c) {
+bool is_small(const parloc::GridSlamConfig& c) {
   return c.slam.particles <= 8 && c.slam.resolution >= 0.05 && c.slam.usable_range <= 10.0 &&
-         c.slam.max_beams <= 200;
+         c.scan.max_beams <= 200;
 }
 
 parloc::Scan some_scan() {

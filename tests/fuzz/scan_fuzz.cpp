@@ -18,13 +18,11 @@ void require(bool holds) {
 
 parloc::GlobalSearch small_search() {
   parloc::SearchConfig config;
-  config.backend = parloc::BackendChoice::cpu;
-  config.threads = 1;
   config.beams = 16, config.max_headings = 72, config.candidates = 4, config.most = 4;
   return parloc::GlobalSearch(
       parloc::grid_from_text(
           {"##########", "#........#", "#......###", "###..##..#", "#........#", "##########"}, 0.25),
-      config);
+      config, {.backend = parloc::BackendChoice::cpu, .threads = 1});
 }
 
 void search(const parloc::Scan& scan) {

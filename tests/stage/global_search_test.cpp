@@ -59,9 +59,10 @@ BeamTable beams_of(const GridMap& map, const Scan& scan) {
   return table;
 }
 
+const ComputeConfig kOnCpu{.backend = BackendChoice::cpu};
+
 SearchConfig small_config() {
   SearchConfig c;
-  c.backend = BackendChoice::cpu;
   c.beams = 37;  // not a whole number of fours
   c.heading_cells = 3.0;
   c.least_share = 0.7;
@@ -135,7 +136,7 @@ void expect_same(const std::vector<LatticePose>& a, const std::vector<LatticePos
 TEST(GlobalSearch, FindsWhatASearchThroughEveryPoseFinds) {
   const GridMap map = two_rooms();
   const SearchConfig config = small_config();
-  GlobalSearch search(map, config);
+  GlobalSearch search(map, config, kOnCpu);
   const Pose places[] = {in_rooms(1.2, 3.3, 0.4), in_rooms(5.1, 0.9, -2.2), in_rooms(3.4, 0.8, 3.0)};
   for (const Pose& place : places)
     for (const double fov_rad : {2 * kPi, 1.7}) {
@@ -148,7 +149,7 @@ TEST(GlobalSearch, FindsWhatASearchThroughEveryPoseFinds) {
 
 TEST(GlobalSearch, ABoundIsNeverBelowAScoreOfItsBlock) {
   const GridMap map = two_rooms();
-  GlobalSearch search(map, small_config());
+  GlobalSearch search(map, small_config(), kOnCpu);
   // Far beams: most windows lie partly or wholly off the map.
   Scan scan = seen_from(map, in_rooms(5.1, 0.9, -2.2), 90, 2 * kPi, 20.0);
   for (std::size_t b = 0; b < scan.ranges_m.size(); b += 3) scan.ranges_m[b] *= 2.5f;
@@ -229,15 +230,14 @@ TEST(GlobalSearchBackends, KernelBodiesThreadsAndInstructionSetsAgree) {
 }
 
 TEST(GlobalSearchBackends, GpuEqualsCpu) {
-  SearchConfig config = small_config();
-  config.backend = BackendChoice::cuda;
   std::unique_ptr<GlobalSearch> gpu;
   try {
-    gpu = std::make_unique<GlobalSearch>(two_rooms(), config);
+    gpu = std::make_unique<GlobalSearch>(two_rooms(), small_config(),
+                                         ComputeConfig{.backend = BackendChoice::cuda});
   } catch (const Error& e) {
     PARLOC_WITHOUT_GPU(e);
   }
-  GlobalSearch cpu(two_rooms(), small_config());
+  GlobalSearch cpu(two_rooms(), small_config(), kOnCpu);
   for (const double fov_rad : {2 * kPi, 1.2}) {
     const BeamTable beams = beams_of(two_rooms(), seen_from(two_rooms(), kSomewhere, 90, fov_rad, 3.0));
     expect_same(gpu->search_lattice(beams, {}, 30), cpu.search_lattice(beams, {}, 30));

@@ -61,12 +61,12 @@ const RingDrive& small_round() {
   return d;
 }
 
-FilterConfig config(bool close, int threads = 1) {
-  FilterConfig c;
+GridSlamConfig config(bool close, int threads = 1) {
+  GridSlamConfig c;
   c.backend = BackendChoice::cpu;
   c.threads = threads;
   c.slam.particles = 1;
-  c.slam.max_beams = 90;
+  c.scan.max_beams = 90;
   c.slam.usable_range = 7.0;
   c.slam.close_loops = close;
   return c;
@@ -235,7 +235,7 @@ TEST(CloseLoops, NothingOfNothing) {
 
 // A fine map needs smaller windows of search than a coarse one.
 TEST(CloseLoops, FineMapsAreSearched) {
-  FilterConfig c = config(true);
+  GridSlamConfig c = config(true);
   c.slam.resolution = 0.02;
   GridSlam slam(c);
   run(slam, round_and_more(), 0, 40);

@@ -6,10 +6,11 @@
 #include <string>
 #include <vector>
 
-#include "common/config/settings_table.h"
+#include "common/config/config.h"
 #include "common/filter/backend.h"
 #include "common/filter/start.h"
 #include "common/math/sha256.h"
+#include "common/model/model_settings.h"
 #include "tests/system/golden_corridor.h"
 #include "tests/unit/instruction_sets.h"
 #include "tests/unit/small_drive.h"
@@ -30,8 +31,8 @@ const StartPose kStart{false, kCorridorStart, kCorridorSigma_m, kCorridorSigma_m
 
 /// Every setting is written out: a changed default must not change a golden digest. Each model has its own
 /// resampling scheme, so that the three runs cover more of the step.
-FilterConfig fixed_config(SensorModel model) {
-  FilterConfig c;
+Config fixed_config(SensorModel model) {
+  Config c;
   c.particles = 500;
   c.seed = 42;
   c.backend = BackendChoice::cpu;
@@ -74,20 +75,20 @@ FilterConfig fixed_config(SensorModel model) {
   return c;
 }
 
-Localization run(const GridMap& map, LogReader& log, const FilterConfig& config, const StartPose& start) {
+Localization run(const GridMap& map, LogReader& log, const Config& config, const StartPose& start) {
   LocalizeRequest request;
   request.config = config;
   request.start = start;
   request.log_name = "log";
   return localize_log(map, log, request);
 }
-Localization run_corridor(const FilterConfig& config) {
+Localization run_corridor(const Config& config) {
   return run(corridor(), *corridor_log(), config, kStart);
 }
 
 class Digest : public testing::TestWithParam<SensorModel> {
  protected:
-  FilterConfig config() const { return fixed_config(GetParam()); }
+  Config config() const { return fixed_config(GetParam()); }
 };
 
 // ---- golden digests ------------------------------------------------------------------------------
@@ -137,20 +138,20 @@ TEST_P(Digest, OfARealLogIsPinned) {
 
 /// Cheap loops use threads from 8192 particles on (cpu/parallel.h). The room's log is made by libm: equal
 /// within one process, which is all that is asked here.
-FilterConfig many_particles(const FilterConfig& fixed) {
-  FilterConfig c = fixed;
+Config many_particles(const Config& fixed) {
+  Config c = fixed;
   c.particles = 9000;
   c.scan.max_beams = 20;
   return c;
 }
-Localization run_room(const FilterConfig& config) {
+Localization run_room(const Config& config) {
   static const GridMap room = small_room();
   static const std::string log = carmen_log_of(small_drive(room, 20));
   return run(room, *carmen_log_from_text(log, "room.log"), config, {false, {1.0, 1.0, 0.0}, 0.1, 0.1, 0.1});
 }
 
 TEST_P(Digest, IsTheSameAtAnyThreadCountAndInstructionSet) {
-  FilterConfig c = many_particles(config());
+  Config c = many_particles(config());
   c.threads = 1;
   const std::string expected = run_room(c).digest;
   for (const cpu::Simd set : instruction_sets()) {
@@ -167,7 +168,7 @@ TEST_P(Digest, IsTheSameAtAnyThreadCountAndInstructionSet) {
 
 TEST_P(Digest, TellsRunsApart) {
   const std::string digest = run_corridor(config()).digest;
-  FilterConfig other = config();
+  Config other = config();
   other.seed += 1;
   EXPECT_NE(run_corridor(other).digest, digest);
   other = config();
@@ -183,7 +184,7 @@ struct BackendRun {
   std::string digest;       ///< Of every step's state and the final particles.
 };
 
-BackendRun run_backend(Backend& backend, const FilterConfig& c) {
+BackendRun run_backend(Backend& backend, const Config& c) {
   const GridMap& map = corridor();
   backend.set_map(map);
   const StartPose& start = kStart;
@@ -222,7 +223,7 @@ BackendRun run_backend(Backend& backend, const FilterConfig& c) {
 }
 
 TEST_P(Digest, KernelBodiesOnTheHostRunAWholeLogAsTheFilterDoes) {
-  FilterConfig c = config();
+  Config c = config();
   c.particles = 1500;
   c.motion.max_jump_m = 10.0;  // none in this log: run_backend has no inflation for jumps
   const BackendConfig settings{
@@ -240,12 +241,12 @@ TEST_P(Digest, KernelBodiesOnTheHostRunAWholeLogAsTheFilterDoes) {
 }
 
 TEST_P(Digest, OfAGpuIsTheSame) {
-  FilterConfig gpu = config();
+  Config gpu = config();
   gpu.backend = BackendChoice::cuda;
   try {
     const std::string corridor_digest = run_corridor(gpu).digest;
     EXPECT_EQ(corridor_digest, run_corridor(config()).digest);
-    FilterConfig many = many_particles(gpu);
+    Config many = many_particles(gpu);
     const std::string digest = run_room(many).digest;
     many.backend = BackendChoice::cpu;
     EXPECT_EQ(digest, run_room(many).digest);

@@ -6,8 +6,9 @@
 #include <ostream>
 #include <string>
 
+#include "common/config/config.h"
+#include "common/config/pose_filters.h"
 #include "common/eval/metrics.h"
-#include "common/filter/pose_filter.h"
 #include "common/io/log.h"
 #include "common/map/map_reader.h"
 #include "tests/unit/real_data.h"
@@ -30,7 +31,7 @@ TEST_P(FlowAces, IsFollowedToTheEnd) {
   const std::string folder = "aces/";
   PARLOC_NEEDS_FILE(test::real_data(folder + "scans.log"));
   const Trajectory truth = read_tum(test::real_data(folder + "reference.tum"));
-  FilterConfig config;
+  Config config;
   config.particles = 100;
   config.seed = GetParam().seed;
   config.backend = BackendChoice::cpu;

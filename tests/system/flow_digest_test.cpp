@@ -4,7 +4,8 @@
 
 #include <ostream>
 
-#include "common/filter/pose_filter.h"
+#include "common/config/config.h"
+#include "common/config/pose_filters.h"
 #include "tests/system/golden_corridor.h"
 #include "tests/unit/instruction_sets.h"
 
@@ -12,16 +13,16 @@ namespace parloc::test {
 namespace {
 
 /// Every setting that these filters read is written out: a changed default must not change a golden digest.
-FilterConfig fixed_config() {
-  FilterConfig c;
+Config fixed_config() {
+  Config c;
   c.particles = 60;
   c.seed = 42;
   c.backend = BackendChoice::cpu;
   c.motion = kGoldenMotion;
   c.scan.min_beams = 5, c.scan.laser_min_range = 0.1, c.scan.laser_max_range = 40.0;
   c.resample = {.scheme = ResampleScheme::systematic, .threshold = 0.5};
-  c.flow = {.max_beams = 120,
-            .steps = 6,
+  c.flow_max_beams = 120;
+  c.flow = {.steps = 6,
             .integrator = FlowIntegrator::automatic,
             .schedule = FlowSchedule::uniform,
             .ratio = 1.2,
@@ -56,7 +57,7 @@ TEST_P(FlowDigest, OfARealLogIsPinned) {
   for (const cpu::Simd set : instruction_sets()) {
     const SimdLimit limit(set);
     for (const int threads : {1, 2, 4}) {
-      FilterConfig c = fixed_config();
+      Config c = fixed_config();
       c.threads = threads;
       const auto filter = make_pose_filter(GetParam().name, c, corridor());
       filter->start_at(kCorridorStart, kCorridorSigma_m, kCorridorSigma_m, kCorridorSigma_rad);

@@ -6,9 +6,10 @@
 #include <cstdio>
 #include <ostream>
 
+#include "common/config/config.h"
+#include "common/config/pose_filters.h"
 #include "common/eval/consistency.h"
 #include "common/eval/metrics.h"
-#include "common/filter/pose_filter.h"
 #include "common/io/log.h"
 #include "common/map/map_reader.h"
 #include "tests/unit/real_data.h"
@@ -40,7 +41,7 @@ TEST_P(FlowHouse, IsLocalizedWithinTheBars) {
   const std::string folder = "tb3_house/";
   PARLOC_NEEDS_FILE(test::real_data(folder + "scans.log"));
   const Trajectory truth = read_tum(test::real_data(folder + "reference.tum"));
-  FilterConfig config;
+  Config config;
   config.particles = 100;
   config.backend = BackendChoice::cpu;
   const auto filter =

@@ -7,8 +7,8 @@
 #include <memory>
 #include <string>
 
+#include "common/config/config.h"
 #include "common/eval/metrics.h"
-#include "common/filter/config.h"
 #include "common/io/log.h"
 #include "common/map/map_reader.h"
 

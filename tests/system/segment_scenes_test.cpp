@@ -27,7 +27,7 @@ std::vector<Step> drive(const std::string& scene, std::uint64_t seed) {
   scenario.seed = seed;
   const GridMap map = read_map(scenario.map_path);
   const SimulatedLog log = simulate(scenario, map, [](double) { return true; });
-  FilterConfig config = read_config(kRoot + "configs/segments.yaml");
+  Config config = read_config(kRoot + "configs/segments.yaml");
   config.seed = seed;
   ParticleFilter filter(config, map);
   filter.start_at(log.truth.front().pose, 0.05, 0.05, 0.02);

@@ -25,9 +25,9 @@ void PrintTo(const Golden& g, std::ostream* out) {
 }
 
 /// Every setting that it reads is written out: a changed default must not change a golden digest.
-FilterConfig fixed_config(const Golden& golden) {
+GridSlamConfig fixed_config(const Golden& golden) {
   const SlamProposal proposal = golden.proposal;
-  FilterConfig c;
+  GridSlamConfig c;
   c.seed = 42;
   c.backend = BackendChoice::cpu;
   c.device = 0;
@@ -36,11 +36,8 @@ FilterConfig fixed_config(const Golden& golden) {
   c.scan.zero_policy = ZeroPolicy::invalid;
   c.slam = {.particles = golden.search ? 5 : 20,
             .proposal = proposal,
-            .max_beams = 120,
             .resolution = 0.1,
             .usable_range = 25.0,
-            .update_min_d = 0.3,
-            .update_min_a = 0.2,
             .resample_threshold = 0.7,
             .beta_weight = proposal == SlamProposal::motion ? 0.005 : 0.05,
             .beta_proposal = 1.0,
@@ -59,6 +56,9 @@ FilterConfig fixed_config(const Golden& golden) {
             .motion_floor_theta = 0.005,
             .occupied_above = 0.25,
             .close_loops = false};
+  c.scan.max_beams = 120;
+  c.update_min_d = 0.3;
+  c.update_min_a = 0.2;
   return c;
 }
 
@@ -74,7 +74,7 @@ TEST_P(SlamDigest, OfARealLogIsPinned) {
   for (const cpu::Simd set : instruction_sets()) {
     const SimdLimit limit(set);
     for (const int threads : {1, 2, 4}) {
-      FilterConfig c = fixed_config(GetParam());
+      GridSlamConfig c = fixed_config(GetParam());
       c.threads = threads;
       GridSlam slam(c);
       run_corridor(slam);
@@ -100,7 +100,7 @@ TEST_P(SlamDigest, TheRunIsWorthPinning) {
 }
 
 TEST_P(SlamDigest, OfAGpuIsTheSame) {
-  FilterConfig c = fixed_config(GetParam());
+  GridSlamConfig c = fixed_config(GetParam());
   c.backend = BackendChoice::cuda;
   try {
     GridSlam slam(c);

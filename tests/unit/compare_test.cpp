@@ -8,8 +8,9 @@
 #include <thread>
 #include <vector>
 
+#include "common/config/config.h"
+#include "common/config/pose_filters.h"
 #include "common/error.h"
-#include "common/filter/pose_filter.h"
 #include "common/math/portable64.h"
 #include "common/model/motion.h"
 #include "tests/unit/simulated.h"
@@ -29,7 +30,7 @@ TrialLog small_log(int scans) {
 // ---- filters ----------------------------------------------------------------------------------------------
 TEST(CompareEntries, OwnSettingsGoOverTheCommonOnes) {
   const test::TempFile own("own.yaml", "scan: {max_beams: 33}\nmin_particles: 7\nmax_particles: 70\n");
-  FilterConfig base;
+  Config base;
   base.motion.alpha1 = 0.7;
   base.scan.max_beams = 44;
   const auto entries = read_entries("ekf,edh@10,mcl=" + own.path() + ",mcl@500=" + own.path(), base);
@@ -253,8 +254,7 @@ TEST(CompareConfigs, MotionNoiseIsThatOfTheWheels) {
   constexpr double base_m = 0.16, step_m = 0.18 / 5.0, turn_rad = 0.6 / 5.0;
   for (const auto& [name, kappa_m] :
        {std::pair{"1e-6", 1e-6}, {"1e-4", 1e-4}, {"5e-4", 5e-4}, {"5e-3", 5e-3}}) {
-    const FilterConfig c =
-        read_entries("ekf=" + kRoot + "configs/compare/kappa_" + name + ".yaml", {})[0].config;
+    const Config c = read_entries("ekf=" + kRoot + "configs/compare/kappa_" + name + ".yaml", {})[0].config;
     const MotionStep drive = motion_step({0.0, step_m, 0.0}, c.motion);
     const double heading_rad = std::hypot(drive.sigma_rot1, drive.sigma_rot2);
     EXPECT_NEAR(heading_rad / (std::sqrt(2.0 * kappa_m * step_m) / base_m), 1.0,

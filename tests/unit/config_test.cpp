@@ -10,9 +10,10 @@
 #include <string>
 #include <vector>
 
-#include "common/config/settings_table.h"
+#include "common/config/config_settings.h"
 #include "common/error.h"
 #include "common/file/nearest_name.h"
+#include "common/model/model_settings.h"
 
 namespace parloc {
 namespace {
@@ -132,7 +133,7 @@ TEST(Config, HostileTextIsAnError) {
 }
 
 TEST(Config, NoKeysAreDefaults) {
-  const std::string defaults = config_to_yaml(FilterConfig{});
+  const std::string defaults = config_to_yaml(Config{});
   for (const char* text : {"", "\n", "# only a comment\n", "---\n", "motion:\nscan:\n", "{}", "~\n"}) {
     EXPECT_EQ(config_to_yaml(config_from_text(text, "c.yaml")), defaults) << text;
   }
@@ -141,20 +142,20 @@ TEST(Config, NoKeysAreDefaults) {
 // A model may be chosen alone: it brings settings that work, and those of the file win over them.
 TEST(Config, EachModelBringsItsOwnDefaults) {
   for (const auto& model : kSensorModels) {
-    const FilterConfig c = config_from_text(std::string("sensor:\n  model: ") + model.name + "\n", "c.yaml");
+    const Config c = config_from_text(std::string("sensor:\n  model: ") + model.name + "\n", "c.yaml");
     const SensorConfig expected = default_sensor(model.value);
     EXPECT_EQ(c.sensor.model, model.value);
     EXPECT_EQ(c.sensor.sigma_hit, expected.sigma_hit) << model.name;
     EXPECT_EQ(c.sensor.effective_beams, expected.effective_beams) << model.name;
     EXPECT_EQ(c.sensor.z_max, expected.z_max) << model.name;
   }
-  const FilterConfig c = config_from_text("sensor:\n  tempering: 0.7\n  model: beam\n", "c.yaml");
+  const Config c = config_from_text("sensor:\n  tempering: 0.7\n  model: beam\n", "c.yaml");
   EXPECT_EQ(c.sensor.tempering, 0.7);
   EXPECT_EQ(c.sensor.sigma_hit, default_sensor(SensorModel::beam).sigma_hit);
 }
 
 TEST(Config, ValuesArrive) {
-  const FilterConfig c = config_from_text(
+  const Config c = config_from_text(
       "particles: 16777216\nseed: 18446744073709551615\nbackend: cuda\nupdate_min_d: +1e-1\n"
       "motion: {form: thrun, alpha1: .25, symmetric: false}\n"
       "sensor:\n  model: beam\n  z_hit: 0.7\n  z_short: 0.1\n  z_max: 0.1\n  z_rand: 0.1\n"
@@ -174,26 +175,25 @@ TEST(Config, ValuesArrive) {
 
 /// Gives every setting a value that is not its default, yet allowed.
 struct Changer {
-  double share = 0.0;
   template <class Number>
-  void operator()(const Setting& setting, Number& value, const Limits<Number>& limits) {
-    if (std::string(setting.key).rfind("z_", 0) == 0) {
-      value = static_cast<Number>(0.25);  // four shares that sum to 1
-    } else {
-      // Between the default and the lower limit, at a place that needs all 17 digits.
-      value = static_cast<Number>(limits.low + (value - limits.low) / 3);
-      if (value == limits.low) value = limits.high;
-    }
+  void operator()(const NumberSetting<Number>& number) const {
+    const Number value = *number.slot.get(), low = number.limits.low;
+    // Between the default and the lower limit, at a place that needs all 17 digits.
+    const auto between = static_cast<Number>(low + (value - low) / 3);
+    number.slot.set(is_share         ? static_cast<Number>(0.25)  // four shares that sum to 1
+                    : between == low ? number.limits.high
+                                     : between);
   }
-  void operator()(const Setting&, bool& value) { value = !value; }
-  template <class Enum, std::size_t n>
-  void operator()(const Setting&, Enum& value, const std::array<Choice<Enum>, n>& choices) {
-    value = choices.front().value == value ? choices.back().value : choices.front().value;
+  void operator()(const FlagSetting& flag) const { flag.set(!*flag.get()); }
+  void operator()(const ChoiceSetting& choice) const {
+    const bool is_first = choice.name() == choice.names.front();
+    choice.choose(is_first ? choice.names.size() - 1 : 0);
   }
+  bool is_share;
 };
 
 TEST(Config, LidarsHaveAnEntryEach) {
-  const FilterConfig c = config_from_text(
+  const Config c = config_from_text(
       "lidars:\n  front: {x: 0.2, y: -0.1, yaw: 0.5}\n  robotlaser2:\n    upside_down: true\n    max_beams: "
       "40\n"
       "    min_range: 0.05\n    max_range: 12\n    scan_time: 0.025\n    stamp_at: last\n    zero_policy: "
@@ -223,7 +223,7 @@ TEST(Config, LidarsHaveAnEntryEach) {
 }
 
 TEST(Config, TheExampleOfALidarIsValid) {
-  std::string printed = config_to_yaml(FilterConfig{});
+  std::string printed = config_to_yaml(Config{});
   const std::size_t begin = printed.find("# lidars:");
   ASSERT_NE(begin, std::string::npos);
   std::string example = printed.substr(begin);
@@ -232,7 +232,7 @@ TEST(Config, TheExampleOfALidarIsValid) {
     const std::size_t next = example.find('\n', at);
     at = next == std::string::npos || next + 1 >= example.size() ? std::string::npos : next + 1;
   }
-  const FilterConfig c = config_from_text(example, "example");
+  const Config c = config_from_text(example, "example");
   ASSERT_EQ(c.lidars.size(), 1u);
   EXPECT_TRUE(c.lidars[0].x && c.lidars[0].min_range && c.lidars[0].stamp_at);
 }
@@ -269,47 +269,46 @@ TEST(Config, MistakesInLidarsHaveOneClearLine) {
   };
   for (const Mistake& m : mistakes)
     EXPECT_EQ(message_for(m.yaml).substr(0, std::string(m.message).size()), m.message) << m.yaml;
-  FilterConfig twice;
+  Config twice;
   twice.lidars = {{.name = "front"}, {.name = "front"}};
   EXPECT_EQ(message_of([&] { validate(twice); }), "lidars.front is there twice");
 }
 
 TEST(Config, PrintedConfigurationReadsBack) {
-  FilterConfig changed;
-  visit_settings(changed, Changer{});
+  Config changed;
+  for (const Setting& s : settings_of(changed).all) std::visit(Changer{s.key.rfind("z_", 0) == 0}, s.value);
   changed.scan.min_beams = 3;
   changed.scan.laser_min_range = 0.1 / 3;
   const std::string yaml = config_to_yaml(changed);
   EXPECT_EQ(config_to_yaml(config_from_text(yaml, "printed")), yaml);
   // Bit for bit, not only as printed; and every key was really changed and read.
-  const FilterConfig again = config_from_text(yaml, "printed");
+  const Config again = config_from_text(yaml, "printed");
   EXPECT_EQ(again.motion.alpha1, changed.motion.alpha1);
   EXPECT_EQ(again.scan.laser_min_range, 0.1 / 3);
-  std::size_t settings = 0, differing_lines = 0;
-  visit_settings(changed, [&](const Setting&, const auto&...) { ++settings; });
-  const std::string defaults = config_to_yaml(FilterConfig{});
+  std::size_t differing_lines = 0;
+  const std::string defaults = config_to_yaml(Config{});
   for (std::size_t a = 0, b = 0; a < yaml.size() && b < defaults.size();) {
     const std::size_t a_end = yaml.find('\n', a), b_end = defaults.find('\n', b);
     differing_lines += yaml.substr(a, a_end - a) != defaults.substr(b, b_end - b);
     a = a_end + 1;
     b = b_end + 1;
   }
-  EXPECT_EQ(differing_lines, settings);
+  EXPECT_EQ(differing_lines, settings_of(changed).all.size());
 }
 
 TEST(Config, EveryGroupHasItsHeading) {
-  const FilterConfig config;
-  visit_settings(config, [](const Setting& setting, const auto&...) {
-    bool known = std::string(setting.group).empty();
-    for (const SettingGroup& group : kSettingGroups)
-      known = known || std::string(group.name) == setting.group;
-    EXPECT_TRUE(known) << setting.group << "." << setting.key;
-  });
+  Config config;
+  const Settings settings = settings_of(config);
+  for (const Setting& setting : settings.all) {
+    bool known = setting.group.empty();
+    for (const SettingGroup& group : settings.groups) known = known || group.name == setting.group;
+    EXPECT_TRUE(known) << setting.name();
+  }
 }
 
 TEST(Config, ValidateChecksAStructToo) {
-  EXPECT_NO_THROW(validate(FilterConfig{}));
-  FilterConfig config;
+  EXPECT_NO_THROW(validate(Config{}));
+  Config config;
   config.particles = 0;
   EXPECT_EQ(message_of([&] { validate(config); }), "particles must be 1 to 16777216, got 0");
   config = {};

@@ -5,7 +5,6 @@
 #include <cmath>
 
 #include "common/config/config.h"
-#include "common/config/settings_table.h"
 #include "common/error.h"
 #include "common/eval/fit_mixture.h"
 #include "common/math/philox.h"
@@ -84,7 +83,7 @@ TEST(FitMixture, TheLikelihoodIsAProbability) {
 
 TEST(FitMixture, WhatItLearnsIsAConfiguration) {
   const Mixture m{0.9999, 0.0, 0.0, 0.0001, 0.0431234, 0.0};
-  FilterConfig config;
+  Config config;
   config.sensor = with_mixture(default_sensor(SensorModel::class_conditional), m);
   EXPECT_NO_THROW(validate(config));
   EXPECT_EQ(config.sensor.sigma_hit, 0.0431);

@@ -1,6 +1,7 @@
 // The filters on the distance field as a user meets them: they track, say why a scan was of no use, and stay
 // finite whatever they are given.
 #include "common/flow/flow_filter.h"
+#include "common/config/pose_filters.h"
 
 #include <gtest/gtest.h>
 
@@ -18,8 +19,8 @@
 namespace parloc {
 namespace {
 
-FilterConfig small_config() {
-  FilterConfig c;
+Config small_config() {
+  Config c;
   c.particles = 100;
   c.threads = 1;
   c.backend = BackendChoice::cpu;
@@ -63,7 +64,7 @@ Trajectory run(PoseFilter& filter, const Pose& start, const test::SmallDrive& dr
 
 class EveryFlowFilter : public testing::TestWithParam<std::string_view> {
  protected:
-  std::unique_ptr<PoseFilter> make(const FilterConfig& c, const GridMap& map) const {
+  std::unique_ptr<PoseFilter> make(const Config& c, const GridMap& map) const {
     return make_pose_filter(GetParam(), c, map);
   }
 };
@@ -208,7 +209,7 @@ TEST(FlowFilters, TenThousandRandomScenesStayFinite) {
     for (std::size_t k = any(2) * any(40); k > 0; --k) rows[any(20)][any(30)] = '#';
     rows[10][15] = '.';
     const GridMap map = grid_from_text(rows, 0.1, {1.0, 2.0, 6.28 * unit(random) - 3.14});
-    FilterConfig c = small_config();
+    Config c = small_config();
     c.particles = 1 + static_cast<std::int64_t>(any(12));
     c.flow.steps = 1 + static_cast<int>(any(6));
     c.flow.prior = static_cast<FlowPrior>(any(3));
@@ -235,7 +236,7 @@ TEST(FlowFilters, TenThousandRandomScenesStayFinite) {
 }
 
 TEST(FlowFilters, AGateSaysThatItRejected) {
-  FilterConfig c = small_config();
+  Config c = small_config();
   c.flow.gate = FlowGate::reject;
   c.flow.gate_nis = 0.01;
   const test::SmallDrive drive = drive_of(1);
@@ -246,7 +247,7 @@ TEST(FlowFilters, AGateSaysThatItRejected) {
 }
 
 TEST(FlowFilters, ThePublishedSettingsAreAConfiguration) {
-  FilterConfig c = read_config(std::string(PARLOC_SOURCE_DIR) + "/configs/csuzdi2021.yaml");
+  Config c = read_config(std::string(PARLOC_SOURCE_DIR) + "/configs/csuzdi2021.yaml");
   EXPECT_EQ(c.flow.prior, FlowPrior::ekf);
   EXPECT_EQ(c.flow.interpolation, FieldInterpolation::cubic);
   c.threads = 1;
@@ -275,11 +276,12 @@ TEST(FlowFilters, ImpossibleSettingsAreRefused) {
 }
 
 TEST(FlowFilters, EulerStepsThatLagBehindAreCounted) {
-  FilterConfig c = small_config();
+  Config c = small_config();
   c.flow.sigma_psi_cells = 0.0;
   const test::SmallDrive drive = drive_of(5);
   const GridMap room = test::small_room();
-  FlowFilter euler(FlowMethod::edh, c, room), closed_form(FlowMethod::naedh, c, room);
+  FlowFilter euler(FlowMethod::edh, flow_filter_config(c), room),
+      closed_form(FlowMethod::naedh, flow_filter_config(c), room);
   for (FlowFilter* f : {&euler, &closed_form}) run(*f, {1.05, 1.0, 0.0}, drive);
   EXPECT_GT(euler.stiff_scans(), 0u);
   EXPECT_EQ(closed_form.stiff_scans(), 0u);
@@ -288,7 +290,7 @@ TEST(FlowFilters, EulerStepsThatLagBehindAreCounted) {
 TEST(FlowFilters, TheGaussianOfASinglePointIsTheKalmanFilter) {
   // A flow of one step, one particle without spread, and the EKF's own covariance: the particle goes where
   // the Kalman filter goes.
-  FilterConfig c = small_config();
+  Config c = small_config();
   c.particles = 1;
   c.flow.steps = 1;
   c.motion.alpha1 = c.motion.alpha2 = c.motion.alpha3 = c.motion.alpha4 = 0.0;

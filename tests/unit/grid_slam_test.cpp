@@ -21,11 +21,11 @@ const SimulatedLog& drive() {
   return log;
 }
 
-FilterConfig config(SlamProposal proposal, std::int64_t particles, std::uint64_t seed = 1) {
-  FilterConfig c;
+GridSlamConfig config(SlamProposal proposal, std::int64_t particles, std::uint64_t seed = 1) {
+  GridSlamConfig c;
   c.slam.proposal = proposal;
   c.slam.particles = particles;
-  c.slam.max_beams = 120;
+  c.scan.max_beams = 120;
   c.seed = seed;
   return c;
 }
@@ -124,7 +124,7 @@ TEST(GridSlam, TheMapIsTheHall) {
 
 TEST(GridSlam, SameSeedSameMapAtAnyNumberOfThreads) {
   const auto digest = [](int threads, std::uint64_t seed) {
-    FilterConfig c = config(SlamProposal::scan_match, 7, seed);
+    GridSlamConfig c = config(SlamProposal::scan_match, 7, seed);
     c.threads = threads;
     GridSlam slam(c);
     run(slam);

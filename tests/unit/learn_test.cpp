@@ -4,6 +4,7 @@
 #include <cmath>
 #include <filesystem>
 
+#include "common/config/config.h"
 #include "common/eval/simulator.h"
 #include "tests/unit/temp_file.h"
 #include "tools/learn/learn_picture.h"
@@ -41,7 +42,7 @@ struct Learned {
 
 Learned learn(const Scenario& scenario) {
   const SimulatedLog log = simulate(scenario, hall());
-  FilterConfig config;
+  Config config;
   config.scan.max_beams = 180;
   Learned l;
   l.found = tools::collect_range_pairs(hall(), *carmen_log_from_text(carmen_text(log), "simulated.log"),

@@ -9,6 +9,7 @@
 #include <limits>
 #include <string>
 
+#include "common/config/config.h"
 #include "common/error.h"
 #include "common/eval/metrics.h"
 #include "common/eval/simulator.h"
@@ -44,7 +45,7 @@ Localization localize(const std::string& log, const LocalizeRequest& request) {
 }
 
 TEST(StartPose, IsParsedStrictly) {
-  FilterConfig config;
+  Config config;
   config.initial_sigma_xy = 0.3;
   config.initial_sigma_theta = 0.2;
   const StartPose three = parse_start_pose("1.5,-2,+0.5", config);
@@ -68,7 +69,7 @@ TEST(StartPose, IsParsedStrictly) {
 
 TEST(StartPose, FromTruthIsTheNearestRowInTime) {
   const Trajectory truth{{10.0, {1, 0, 0}}, {9.0, {2, 0, 0}}, {12.0, {3, 0, 0}}, {12.0, {4, 0, 0}}};
-  const FilterConfig config;
+  const Config config;
   EXPECT_EQ(start_from_truth(truth, 9.4, config).pose.x_m, 2.0);
   EXPECT_EQ(start_from_truth(truth, 10.6, config).pose.x_m, 1.0);
   EXPECT_EQ(start_from_truth(truth, 12.5, config).pose.x_m, 3.0);  // the first of equals

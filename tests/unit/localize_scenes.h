@@ -50,12 +50,12 @@ inline TrialLog drive(const GridMap& map, TrialTask task, double duration_s, std
 }
 
 inline LocalizerConfig small_localizer(int threads = 1) {
-  FilterConfig c;
+  LocalizerConfig c;
   c.particles = 600;
   c.backend = BackendChoice::cpu;
   c.threads = threads;
   c.scan.max_beams = 60;
-  return localizer_config(c);
+  return c;
 }
 
 /// What it says at every scan.

@@ -3,6 +3,7 @@
 
 #include <cmath>
 
+#include "common/config/config.h"
 #include "common/error.h"
 #include "common/math/portable64.h"
 #include "common/search/scan_evidence.h"
@@ -16,7 +17,7 @@ struct FirstScan {
   explicit FirstScan(const GridMap& map, std::uint64_t seed = 3) {
     const TrialLog log = test::drive(map, TrialTask::track, 1.0, seed);
     truth = log.truth.front().pose;
-    const ParticleFilter filter(test::small_localizer().filter, map);
+    const ParticleFilter filter(test::small_localizer(), map);
     beams = filter.beams(log.records.front().scan);
   }
   Pose truth;
@@ -150,7 +151,7 @@ TEST(FindModes, HeaviestFirstAndHeadingsAreCyclic) {
 // particles are those that the estimate saw.
 TEST(FindModes, TheHeaviestIsTheEstimatesCluster) {
   const GridMap map = test::two_rooms();
-  FilterConfig config = test::small_localizer().filter;
+  FilterConfig config = test::small_localizer();
   config.resample.threshold = 0.0;
   ParticleFilter filter(config, map);
   const TrialLog log = test::drive(map, TrialTask::track, 1.0, 5);

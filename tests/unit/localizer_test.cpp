@@ -52,7 +52,7 @@ TEST(Localizer, OnlyWatchesWhileItIsNotLost) {
   const LocalizerConfig config = small_localizer();
   Localizer watched(config, map);
   watched.start_at(log.truth.front().pose, 0.2, 0.1, 0.1);
-  ParticleFilter bare(config.filter, map);
+  ParticleFilter bare(config, map);
   bare.start_at(log.truth.front().pose, 0.2, 0.1, 0.1);
   const auto said = feed(watched, log.records);
   std::size_t k = 0;
@@ -71,7 +71,7 @@ TEST(Localizer, NoticesAKidnappingAndFindsItselfAgain) {
   const TrialLog log = drive(map, TrialTask::kidnap, 6.0, 2);
   for (const bool recover : {true, false}) {
     LocalizerConfig config = small_localizer();
-    config.recover = recover;
+    config.localize.recover = recover;
     Localizer localizer(config, map);
     localizer.start_at(log.truth.front().pose, 0.1, 0.1, 0.05);
     const auto said = feed(localizer, log.records);
@@ -100,7 +100,7 @@ TEST(Localizer, WithoutRecoveryAStartAnywhereIsSearchedOnce) {
   const GridMap map = test::two_rooms();
   const TrialLog log = drive(map, TrialTask::global, 4.0, 3);
   LocalizerConfig config = small_localizer();
-  config.recover = false;
+  config.localize.recover = false;
   const auto said = run_anywhere(config, map, log);
   for (std::size_t k = 0; k < said.size(); ++k) EXPECT_EQ(said[k].searched, k == 0) << k;
   EXPECT_EQ(said.back().health.state, HealthState::tracking);
@@ -177,7 +177,7 @@ TEST(Localizer, ScansWithoutBeamsAreNoPlace) {
   const std::size_t until = log.records.size() / 2;
   for (std::size_t k = 0; k < until; ++k) log.records[k].scan.ranges_m.clear();
   LocalizerConfig config = small_localizer();
-  config.recover = false;
+  config.localize.recover = false;
   const auto said = run_anywhere(config, map, log);
   EXPECT_LT(error_m(said.back(), log.truth.back().pose), 0.3);
 }

@@ -33,11 +33,7 @@ Scan simulated_scan(const GridMap& map, const Pose& pose, double fov_rad, double
   return scan;
 }
 
-SearchConfig on_cpu() {
-  SearchConfig c;
-  c.backend = BackendChoice::cpu;
-  return c;
-}
+const ComputeConfig kOnCpu{.backend = BackendChoice::cpu};
 
 void expect_near(const Pose& pose, const Pose& truth, double within_m, double within_rad) {
   EXPECT_LT(std::hypot(pose.x_m - truth.x_m, pose.y_m - truth.y_m), within_m)
@@ -49,7 +45,7 @@ void expect_near(const Pose& pose, const Pose& truth, double within_m, double wi
 // lies another half behind their faces. Together 5 cm at most along each axis.
 TEST(Locate, FindsPlacesInTheHall) {
   const GridMap fine = read_map("maps/fine/hall_obstacles.yaml");
-  GlobalSearch search(read_map("maps/hall_obstacles.yaml"), on_cpu());
+  GlobalSearch search(read_map("maps/hall_obstacles.yaml"), {}, kOnCpu);
   const Pose places[] = {{2.0, 2.0, 0.3}, {8.5, 4.0, -2.0}, {16.0, 7.5, 3.1}};
   for (const Pose& truth : places) {
     const SearchResult r = search.search(simulated_scan(fine, truth, 2 * kPi, 8.0), ScanConfig{});
@@ -66,7 +62,7 @@ TEST(Locate, TheMountOfTheLidarAndTheMapsYawCount) {
   GridMap turned = read_map("maps/hall_obstacles.yaml");
   const Pose turn{3.0, -1.0, 0.7};
   turned.T_map_grid = compose(turn, turned.T_map_grid);
-  GlobalSearch search(turned, on_cpu());
+  GlobalSearch search(turned, {}, kOnCpu);
   const Pose truth{8.5, 4.0, -2.0};
   const Scan scan = simulated_scan(fine, truth, 4.0, 10.0, {0.4, -0.2, 2.5});
   const SearchResult r = search.search(scan, ScanConfig{});
@@ -77,7 +73,7 @@ TEST(Locate, TheMountOfTheLidarAndTheMapsYawCount) {
 // An empty rectangle looks the same after half a turn.
 TEST(Locate, ASymmetricPlaceIsAmbiguous) {
   const GridMap fine = read_map("maps/fine/hall.yaml");
-  GlobalSearch search(read_map("maps/hall.yaml"), on_cpu());
+  GlobalSearch search(read_map("maps/hall.yaml"), {}, kOnCpu);
   const Pose truth{6.0, 3.5, 0.5};
   const SearchResult r = search.search(simulated_scan(fine, truth, 2 * kPi, 30.0), ScanConfig{});
   ASSERT_GE(r.hypotheses.size(), 2u);
@@ -108,9 +104,9 @@ TEST(Locate, ASymmetricPlaceIsAmbiguous) {
 
 TEST(Locate, HypothesesAreApartAndSorted) {
   const GridMap fine = read_map("maps/fine/office.yaml");
-  SearchConfig config = on_cpu();
+  SearchConfig config;
   config.most = 20;
-  GlobalSearch search(read_map("maps/office.yaml"), config);
+  GlobalSearch search(read_map("maps/office.yaml"), config, kOnCpu);
   const SearchResult r = search.search(simulated_scan(fine, {15.0, 5.0, 1.0}, 1.7, 8.0), ScanConfig{});
   ASSERT_GE(r.hypotheses.size(), 3u);
   double weights = 0.0;
@@ -129,7 +125,7 @@ TEST(Locate, HypothesesAreApartAndSorted) {
 // A 1 cm map is searched in cells of 5 cm.
 TEST(Locate, FineMapsArePooled) {
   const GridMap fine = read_map("maps/fine/hall_obstacles.yaml");
-  GlobalSearch search(fine, on_cpu());
+  GlobalSearch search(fine, {}, kOnCpu);
   EXPECT_EQ(search.map().pool, 5);
   EXPECT_DOUBLE_EQ(search.map().cell_m, 0.05);
   const Pose truth{8.5, 4.0, -2.0};
@@ -144,7 +140,7 @@ TEST(Locate, AFineMapWithLittleFreeSpaceIsSearched) {
   rows.front() = rows.back() = std::string(40, '#');
   rows[20][20] = '.';  // of 25 parts of its cell
   const GridMap map = grid_from_text(rows, 0.01);
-  GlobalSearch search(map, on_cpu());
+  GlobalSearch search(map, {}, kOnCpu);
   EXPECT_EQ(search.map().free_count, 1u);
   const Pose truth{0.205, 0.195, 0.0};
   const SearchResult r = search.search(simulated_scan(map, truth, 2 * kPi, 8.0), ScanConfig{});
@@ -155,7 +151,7 @@ TEST(Locate, AFineMapWithLittleFreeSpaceIsSearched) {
 TEST(Locate, WallsThatAreSegments) {
   const GridMap map = read_map("maps/hall_segments.yaml");
   ASSERT_FALSE(map.walls.empty());
-  GlobalSearch search(map, on_cpu());
+  GlobalSearch search(map, {}, kOnCpu);
   const Pose truth{8.5, 4.0, -2.0};
   const SearchResult r = search.search(simulated_scan(map, truth, 2 * kPi, 8.0), ScanConfig{});
   ASSERT_FALSE(r.hypotheses.empty());
@@ -175,20 +171,20 @@ ErrorKind kind_of_failure(const std::function<void()>& work) {
 
 TEST(Locate, AMapWithoutAFreeCellIsAnError) {
   EXPECT_EQ(kind_of_failure([] {
-              GlobalSearch(grid_from_text({"##", "#?"}, 0.05), on_cpu());
+              GlobalSearch(grid_from_text({"##", "#?"}, 0.05), {}, kOnCpu);
             }),
             ErrorKind::input);
 }
 
 TEST(Locate, ImpossibleSettingsAndPriorsAreErrors) {
   const GridMap map = grid_from_text({"....", "...."}, 0.5);
-  SearchConfig config = on_cpu();
+  SearchConfig config;
   config.beams = 257;
-  EXPECT_EQ(kind_of_failure([&] { GlobalSearch(map, config); }), ErrorKind::config);
-  config = on_cpu();
+  EXPECT_EQ(kind_of_failure([&] { GlobalSearch(map, config, kOnCpu); }), ErrorKind::config);
+  config = {};
   config.sigma_m = std::nan("");
-  EXPECT_EQ(kind_of_failure([&] { GlobalSearch(map, config); }), ErrorKind::config);
-  GlobalSearch search(map, on_cpu());
+  EXPECT_EQ(kind_of_failure([&] { GlobalSearch(map, config, kOnCpu); }), ErrorKind::config);
+  GlobalSearch search(map, {}, kOnCpu);
   Scan scan;
   scan.ranges_m = {1.0f, 1.0f};
   scan.angle_step_rad = 1.0;
@@ -212,7 +208,7 @@ TEST(Locate, ScansAndMapsWithNothingInThemGiveNoHypothesis) {
   scan.angle_step_rad = 0.1;
   scan.range_max_m = 5.0;
   const GridMap hall = read_map("maps/hall.yaml");
-  GlobalSearch search(hall, on_cpu());
+  GlobalSearch search(hall, {}, kOnCpu);
   EXPECT_TRUE(search.search(scan, ScanConfig{}).hypotheses.empty());  // no beam at all
   scan.ranges_m.assign(60, std::nanf(""));
   EXPECT_TRUE(search.search(scan, ScanConfig{}).hypotheses.empty());
@@ -220,9 +216,9 @@ TEST(Locate, ScansAndMapsWithNothingInThemGiveNoHypothesis) {
   EXPECT_TRUE(search.search(scan, ScanConfig{}).hypotheses.empty());
   scan.ranges_m.assign(60, 2.0f);
   GridMap open = grid_from_text({"....", "....", "...."}, 0.05);  // smaller than a block, and no wall
-  GlobalSearch nowhere(open, on_cpu());
+  GlobalSearch nowhere(open, {}, kOnCpu);
   EXPECT_TRUE(nowhere.search(scan, ScanConfig{}).hypotheses.empty());
-  GlobalSearch one_cell(grid_from_text({"."}, 0.05), on_cpu());
+  GlobalSearch one_cell(grid_from_text({"."}, 0.05), {}, kOnCpu);
   EXPECT_TRUE(one_cell.search(scan, ScanConfig{}).hypotheses.empty());
 }
 
@@ -233,7 +229,7 @@ TEST(Locate, AScanFartherThanTheMapDoesNoHarm) {
   scan.range_max_m = 1e31;
   scan.ranges_m.assign(60, 1e30f);
   for (std::size_t b = 0; b < 60; b += 2) scan.ranges_m[b] = 3000.0f;
-  GlobalSearch search(read_map("maps/hall.yaml"), on_cpu());
+  GlobalSearch search(read_map("maps/hall.yaml"), {}, kOnCpu);
   EXPECT_TRUE(search.search(scan, ScanConfig{}).hypotheses.empty());
 }
 
@@ -243,7 +239,7 @@ TEST(Locate, AScanThatFitsNowhereGivesNoHypothesisOrAPoorOne) {
   scan.angle_step_rad = 0.1;
   scan.range_max_m = 5.0;
   scan.ranges_m.assign(60, 0.5f);
-  GlobalSearch search(read_map("maps/hall.yaml"), on_cpu());
+  GlobalSearch search(read_map("maps/hall.yaml"), {}, kOnCpu);
   const SearchResult r = search.search(scan, ScanConfig{});
   for (const Hypothesis& h : r.hypotheses) EXPECT_LT(h.explained, 0.6);
 }

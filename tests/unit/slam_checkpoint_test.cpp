@@ -7,10 +7,11 @@
 #include <string>
 #include <vector>
 
-#include "common/config/config.h"
 #include "common/file/bytes.h"
 #include "common/slam/checkpoint_frame.h"
 #include "common/slam/grid_slam.h"
+#include "common/slam/grid_slam_config.h"
+#include "common/slam/slam_settings.h"
 #include "tests/system/program_runner.h"
 #include "tests/unit/simulated.h"
 #include "tests/unit/small_drive.h"
@@ -33,13 +34,13 @@ const std::vector<LogRecord>& drive() {
   return records;
 }
 
-FilterConfig config(int threads = 1) {
-  FilterConfig c;
+GridSlamConfig config(int threads = 1) {
+  GridSlamConfig c;
   c.backend = BackendChoice::cpu;
   c.threads = threads;
   c.slam.particles = 6;
-  c.slam.max_beams = 50;
-  c.slam.update_min_d = 0.12;
+  c.scan.max_beams = 50;
+  c.update_min_d = 0.12;
   c.slam.beta_weight = 0.5;  // so that it resamples
   c.motion.alpha3 = 0.4;
   c.lidars = {{.name = "rear", .yaw = 0.1}};
@@ -124,7 +125,7 @@ TEST(SlamCheckpoint, ABreakLeavesNoTrace) {
 }
 
 TEST(SlamCheckpoint, NorDoesOneOfOdometryFromScans) {
-  FilterConfig c = config();
+  GridSlamConfig c = config();
   c.slam.odometry = SlamOdometry::scans;
   GridSlam whole(c);
   run(whole, 0, drive().size());
@@ -193,7 +194,9 @@ TEST_F(SlamCheckpointFile, NoCountIsBelieved) {
     return out;
   };
   ASSERT_EQ(sealed(content), bytes_);
-  const std::size_t state = 8 + config_to_yaml(config()).size() + 8;  // behind settings and the caller's own
+  GridSlamConfig saved = config();
+  const std::size_t state =
+      8 + settings_to_yaml(settings_of(saved)).size() + 8;  // behind settings and the caller's own
   std::uint32_t random = 1;
   for (int k = 0; k < 120; ++k) {
     std::string changed = content;
@@ -222,7 +225,7 @@ TEST_F(SlamCheckpointFile, GoesOnWithItsOwnSettingsOnly) {
 }
 
 TEST(ConfigDifference, NamesTheFirstSettingThatDiffers) {
-  FilterConfig a = config(), b = a;
+  GridSlamConfig a = config(), b = a;
   b.threads = 5, b.device = 3, b.backend = BackendChoice::cuda;
   EXPECT_EQ(config_difference(a, b), "");
   b.seed = 9;

@@ -36,12 +36,12 @@ const test::RingDrive& drive() {
   return d;
 }
 
-FilterConfig config(int memory_mib, int threads = 1) {
-  FilterConfig c;
+GridSlamConfig config(int memory_mib, int threads = 1) {
+  GridSlamConfig c;
   c.backend = BackendChoice::cpu;
   c.threads = threads;
   c.slam.particles = 8;
-  c.slam.max_beams = 90;
+  c.scan.max_beams = 90;
   c.slam.usable_range = 7.0;
   c.slam.memory_mib = memory_mib;
   c.slam.close_loops = false;  // the maps of the particles are looked at

@@ -285,9 +285,9 @@ TEST(SimulateTrial, BoxesAreAsDenseAsInTheScenario) {
 
 LocalizerConfig small_config() {
   LocalizerConfig c;
-  c.filter.backend = c.search.backend = BackendChoice::cpu;
-  c.filter.threads = c.search.threads = 1;
-  c.filter.particles = 500;
+  c.backend = BackendChoice::cpu;
+  c.threads = 1;
+  c.particles = 500;
   return c;
 }
 

@@ -2,7 +2,9 @@
 
 #include <nlohmann/json.hpp>
 
-#include "common/config/settings_table.h"
+#include "common/config/config.h"
+#include "common/filter/filter_settings.h"
+#include "common/model/model_settings.h"
 #include "tools/bench/published.h"
 #include "tools/bench/scenes.h"
 #include "tools/report/machine_json.h"
@@ -11,14 +13,6 @@ namespace parloc::bench {
 namespace {
 
 using Json = nlohmann::ordered_json;
-
-template <class Enum, std::size_t n>
-const char* name_in(const std::array<Choice<Enum>, n>& choices, Enum value) {
-  for (const auto& choice : choices) {
-    if (choice.value == value) return choice.name;
-  }
-  return "";
-}
 
 Json protocol_json(const Results& r) {
   return {{"inside_the_time",
@@ -59,13 +53,13 @@ Json variants_json(const Results& r) {
          {"backend_name", text_or_null(r.backends[v])},
          {"threads", cuda ? Json(nullptr) : Json(variant.threads)},
          {"device", cuda ? Json(variant.device) : Json(nullptr)},
-         {"sensor_model", name_in(kSensorModels, c.sensor.model)},
+         {"sensor_model", name_of(c.sensor.model, kSensorModels)},
          {"sigma_hit_m", c.sensor.sigma_hit},
          {"tempering", c.sensor.tempering},
-         {"caster", name_in(kRayCasters, c.sensor.caster)},
+         {"caster", name_of(c.sensor.caster, kRayCasters)},
          {"fixed_step_cells",
           c.sensor.caster == RayCaster::fixed_step ? Json(c.sensor.fixed_step_cells) : Json(nullptr)},
-         {"resampling", name_in(kResampleSchemes, c.resample.scheme)},
+         {"resampling", name_of(c.resample.scheme, kResampleSchemes)},
          {"resample_threshold", c.resample.threshold}});
   }
   return variants;

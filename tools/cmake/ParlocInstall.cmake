@@ -4,20 +4,23 @@
 # Sources say "common/io/log.h", users say <parloc/io/log.h>: the copies differ from the sources in that alone.
 set(PARLOC_PUBLIC_HEADERS
   config/config.h
+  config/pose_filters.h
   error.h
   eval/metrics.h
-  filter/backend_choice.h
-  filter/config.h
+  filter/compute_config.h
+  filter/filter_config.h
   filter/particle_filter.h
   filter/pose_filter.h
   filter/pose_guess.h
+  filter/step_config.h
   flow/flow_config.h
   flow/flow_filter.h
+  flow/flow_filter_config.h
   io/log.h
   io/trajectory.h
   localize/health.h
-  localize/localize_config.h
   localize/localizer.h
+  localize/localizer_config.h
   localize/modes.h
   map/grid_map.h
   map/map_reader.h
@@ -33,6 +36,7 @@ set(PARLOC_PUBLIC_HEADERS
   search/global_search.h
   search/search_config.h
   slam/grid_slam.h
+  slam/grid_slam_config.h
   slam/loop_counts.h
   slam/scan_odometry_counts.h
   slam/slam_checkpoint.h

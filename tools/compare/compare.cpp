@@ -121,7 +121,7 @@ compare::StartPlan start_of(const CompareOptions& o) {
 
 compare::Request request_of(const CompareOptions& o) {
   compare::Request r;
-  const FilterConfig base = o.config.empty() ? FilterConfig{} : read_config(o.config);
+  const Config base = o.config.empty() ? Config{} : read_config(o.config);
   r.entries = compare::read_entries(o.filters.empty() ? compare::kDefaultFilters : o.filters, base);
   r.start = start_of(o);
   r.first_seed = whole_within("--seed", o.seed, 0, kLastSeed, 1);

@@ -10,8 +10,8 @@
 #include <system_error>
 
 #include "common/config/config.h"
+#include "common/config/pose_filters.h"
 #include "common/error.h"
-#include "common/filter/pose_filter.h"
 
 namespace parloc::compare {
 namespace {
@@ -43,7 +43,7 @@ std::int64_t number_of(const std::string& particles, const std::string& whole) {
   return number;  // its size is judged with the rest of the configuration
 }
 
-Entry read_entry(const std::string& text, const FilterConfig& base) {
+Entry read_entry(const std::string& text, const Config& base) {
   std::string config_file, particles;
   Entry e;
   e.kind = before(before(text, '=', config_file, text), '@', particles, text);
@@ -72,7 +72,7 @@ Entry read_entry(const std::string& text, const FilterConfig& base) {
 
 }  // namespace
 
-std::vector<Entry> read_entries(const std::string& list, const FilterConfig& base) {
+std::vector<Entry> read_entries(const std::string& list, const Config& base) {
   std::vector<Entry> entries;
   for (const std::string& text : split(list, ',')) {
     const Entry e = read_entry(text, base);

@@ -4,14 +4,15 @@
 #include <string>
 #include <vector>
 
-#include "common/filter/config.h"
+#include "common/config/config.h"
+#include "common/config/pose_filters.h"
 
 namespace parloc::compare {
 
 struct Entry {
   std::string label;  ///< For people: "edh@100", "amcl:turtlebot3" with a file of its own.
   std::string kind;   ///< One of kPoseFilterNames.
-  FilterConfig config;
+  Config config;
 };
 
 /// What is compared if nobody says what.
@@ -21,6 +22,6 @@ inline constexpr const char* kDefaultFilters =
 /// Reads "KIND[@PARTICLES][=CONFIG.yaml],...": a configuration of its own is read over `base`, and the
 /// particles replace those of both. Every filter has one thread. Throws Error{usage} for an unknown kind, for
 /// a wrong number and for the same label twice; Error{config} as read_config().
-std::vector<Entry> read_entries(const std::string& list, const FilterConfig& base);
+std::vector<Entry> read_entries(const std::string& list, const Config& base);
 
 }  // namespace parloc::compare

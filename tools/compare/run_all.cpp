@@ -8,6 +8,7 @@
 #include <optional>
 #include <utility>
 
+#include "common/config/pose_filters.h"
 #include "common/error.h"
 #include "tools/program/run_items.h"
 

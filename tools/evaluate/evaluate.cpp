@@ -92,16 +92,14 @@ TrialPlan plan_of(const EvaluateOptions& o, double& limit_s) {
   return plan;
 }
 
-LocalizerConfig config_of(const EvaluateOptions& o) {
-  LocalizerConfig c;
-  if (!o.config.empty()) c.filter = read_config(o.config);
-  if (!o.particles.empty()) c.filter.particles = parse_whole_number<std::int64_t>("--particles", o.particles);
+Config config_of(const EvaluateOptions& o) {
+  Config c = o.config.empty() ? Config{} : read_config(o.config);
+  if (!o.particles.empty()) c.particles = parse_whole_number<std::int64_t>("--particles", o.particles);
   try {
-    validate(c.filter);
+    validate(c);
   } catch (const Error& e) {  // a file is sound by now, so it is the command line
     throw Error(ErrorKind::usage, e.what());
   }
-  c.search.backend = c.filter.backend, c.search.device = c.filter.device;
   return c;
 }
 

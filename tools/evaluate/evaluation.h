@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "common/config/config.h"
 #include "common/eval/trial_summary.h"
 #include "common/localize/localizer.h"
 #include "common/map/grid_map.h"
@@ -23,7 +24,7 @@ struct Evaluation {
   std::uint64_t first_seed = 1;
   std::size_t wanted = 0;
   int jobs = 1;
-  LocalizerConfig config;
+  Config config;
   bool interrupted = false;  ///< Fewer trials than wanted.
   double wall_s = 0.0;
   std::vector<TrialResult> trials;

@@ -117,7 +117,7 @@ std::string json_text(const Evaluation& e) {
   Json json{{"tool", "parloc evaluate"}, {"command", e.command}, {"interrupted", e.interrupted}};
   json["build"] = bench::build_json();
   json["plan"] = plan_json(e);
-  json["config"] = config_to_yaml(e.config.filter);
+  json["config"] = config_to_yaml(e.config);
   json["summary"] = summary_json(e);
   json["times"] = times_json(e);
   json["trials"] = Json::array();

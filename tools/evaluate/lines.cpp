@@ -130,7 +130,7 @@ Lines origin_lines(const Evaluation& e) {
         "note",
         fmt::format("a trial that is right only at {:g} s is watched for {:g} s, not {:g} s", e.limit_s,
                     e.plan.duration_s > e.limit_s ? e.plan.duration_s - e.limit_s : 0.0, e.plan.hold_s));
-  lines.emplace_back("filter", fmt::format("{} particles", e.config.filter.particles));
+  lines.emplace_back("filter", fmt::format("{} particles", e.config.particles));
   lines.emplace_back("build", fmt::format("parloc {}{}", bench::kVersion, commit));
   return lines;
 }

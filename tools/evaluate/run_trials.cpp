@@ -8,19 +8,11 @@
 #include "tools/program/run_items.h"
 
 namespace parloc::evaluate {
-namespace {
-
-LocalizerConfig one_thread(LocalizerConfig config) {
-  config.filter.threads = 1;
-  config.search.threads = 1;
-  return config;
-}
-
-}  // namespace
 
 std::vector<TrialResult> run_trials(const TrialsRequest& request, const TrialSource& source,
                                     const GridMap& map) {
-  const LocalizerConfig config = one_thread(request.config);
+  LocalizerConfig config = request.config;
+  config.threads = 1;
   std::vector<std::optional<TrialResult>> results(
       request.trials);  // each written by the one thread that has it
   std::vector<std::atomic<double>> fractions(

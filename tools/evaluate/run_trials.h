@@ -6,6 +6,7 @@
 #include <functional>
 #include <vector>
 
+#include "common/config/config.h"
 #include "common/eval/run_trial.h"
 #include "common/localize/localizer.h"
 #include "tools/evaluate/trial_source.h"
@@ -14,7 +15,7 @@ namespace parloc::evaluate {
 
 struct TrialsRequest {
   TrialPlan plan;
-  LocalizerConfig config;  ///< Its numbers of threads do not count: each localizer has one.
+  Config config;  ///< Its numbers of threads do not count: each localizer has one.
   std::uint64_t first_seed = 1;
   std::size_t trials = 1;
   int jobs = 1;

@@ -8,11 +8,11 @@
 #include <string>
 
 #include "common/config/config.h"
-#include "common/config/settings_table.h"
 #include "common/error.h"
 #include "common/file/output_file.h"
 #include "common/io/trajectory.h"
 #include "common/map/map_reader.h"
+#include "common/model/model_settings.h"
 #include "tools/learn/learn_picture.h"
 #include "tools/learn/range_pairs.h"
 #include "tools/program/commands.h"
@@ -48,8 +48,8 @@ void declare(CLI::App& app, LearnOptions& o) {
       "configuration; writes it (sensor.yaml) and a histogram (mixture.png).");
 }
 
-FilterConfig effective_config(const LearnOptions& o) {
-  FilterConfig config = o.config.empty() ? FilterConfig{} : read_config(o.config);
+Config effective_config(const LearnOptions& o) {
+  Config config = o.config.empty() ? Config{} : read_config(o.config);
   const SensorModel model = config.sensor.model;
   if (model != SensorModel::beam && model != SensorModel::class_conditional)
     config.sensor = default_sensor(SensorModel::beam);
@@ -93,7 +93,7 @@ std::string sensor_block(const SensorConfig& s, const std::string& typed) {
       typed, name_of(s.model), s.z_hit, s.z_short, s.z_max, s.z_rand, s.sigma_hit, s.lambda_short);
 }
 
-RangePairsOfLog collect(const LearnOptions& o, const FilterConfig& config) {
+RangePairsOfLog collect(const LearnOptions& o, const Config& config) {
   const GridMap map = read_map(o.map);
   const std::unique_ptr<LogReader> log = open_carmen_log(o.log);
   const Trajectory truth = read_tum(o.truth);
@@ -113,7 +113,7 @@ RangePairsOfLog collect(const LearnOptions& o, const FilterConfig& config) {
 }
 
 int run(const LearnOptions& o, const std::string& typed) {
-  const FilterConfig config = effective_config(o);
+  const Config config = effective_config(o);
   OutputFolder out(o.out, {kConfig, kPicture});
   catch_interrupts();
   const RangePairsOfLog found = collect(o, config);
@@ -123,7 +123,7 @@ int run(const LearnOptions& o, const std::string& typed) {
   }
   const MixtureFit fit =
       fit_mixture(found.ranges, start_of(config.sensor), 500, 1e-7, [](int) { return !interrupted(); });
-  FilterConfig learned = config;
+  Config learned = config;
   learned.sensor = with_mixture(config.sensor, fit.mixture);
   validate(learned);
   const std::string block = sensor_block(learned.sensor, typed);

@@ -5,6 +5,7 @@
 #include <functional>
 
 #include "common/eval/fit_mixture.h"
+#include "common/filter/filter_config.h"
 #include "common/io/log.h"
 #include "common/io/trajectory.h"
 #include "common/map/grid_map.h"

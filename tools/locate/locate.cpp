@@ -12,9 +12,9 @@
 #include <vector>
 
 #include "common/config/config.h"
-#include "common/config/settings_table.h"
 #include "common/error.h"
 #include "common/file/output_file.h"
+#include "common/filter/filter_settings.h"
 #include "common/io/scan_file.h"
 #include "common/model/beams.h"
 #include "common/model/lidar.h"
@@ -68,8 +68,8 @@ BackendChoice backend_choice(const std::string& name) {
   throw Error(ErrorKind::usage, fmt::format("--backend: expected auto, cpu or cuda, got '{}'", name));
 }
 
-FilterConfig effective_config(const LocateOptions& o) {
-  FilterConfig config = o.config.empty() ? FilterConfig{} : read_config(o.config);
+Config effective_config(const LocateOptions& o) {
+  Config config = o.config.empty() ? Config{} : read_config(o.config);
   if (!o.backend.empty()) config.backend = backend_choice(o.backend);
   if (!o.device.empty()) config.device = parse_whole_number<int>("--device", o.device);
   if (!o.threads.empty()) config.threads = parse_whole_number<int>("--threads", o.threads);
@@ -85,9 +85,8 @@ FilterConfig effective_config(const LocateOptions& o) {
   return config;
 }
 
-SearchConfig search_config(const LocateOptions& o, const FilterConfig& config) {
+SearchConfig search_config(const LocateOptions& o, const Config& config) {
   SearchConfig c = config.search;
-  c.backend = config.backend, c.device = config.device, c.threads = config.threads;
   if (!o.top.empty()) {
     c.most = parse_whole_number<int>("--top", o.top);
     if (c.most < 1 || c.most > c.candidates)
@@ -207,7 +206,7 @@ constexpr const char* kPicture = "picture.png";
 
 int locate(const LocateOptions& o) {
   // Everything that can be wrong is looked at before the long work.
-  const FilterConfig config = effective_config(o);
+  const Config config = effective_config(o);
   const SearchConfig searching = search_config(o, config);
   const SearchPrior prior = parse_search_prior(o.near, o.heading);
   const GridMap map = load_map(o.map).map;
@@ -224,7 +223,7 @@ int locate(const LocateOptions& o) {
   l.scan = chosen.name, l.map = o.map;
   l.beams = beams.count, l.hits = beams.hits, l.beams_of_scan = chosen.scan.ranges_m.size();
   Clock::time_point begun = Clock::now();
-  GlobalSearch search(map, searching);
+  GlobalSearch search(map, searching, config);
   l.map_s = seconds_since(begun);
   l.backend = search.backend_name();
   begun = Clock::now();

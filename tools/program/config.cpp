@@ -15,7 +15,7 @@ Command add_config_command(CLI::App& program) {
   const auto path = std::make_shared<std::string>();
   add_text_option(*app, "--config", *path, "C.yaml", "Configuration to read over the defaults");
   return {app, [path] {
-            const FilterConfig config = path->empty() ? FilterConfig{} : read_config(*path);
+            const Config config = path->empty() ? Config{} : read_config(*path);
             std::fputs(config_to_yaml(config).c_str(), stdout);
             return 0;
           }};

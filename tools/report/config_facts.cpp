@@ -6,7 +6,7 @@
 #include <utility>
 #include <vector>
 
-#include "common/config/settings_table.h"
+#include "common/config/config_settings.h"
 
 namespace parloc::tools {
 namespace {
@@ -15,29 +15,12 @@ using Json = nlohmann::ordered_json;
 
 constexpr double kDegrees = 180.0 / std::numbers::pi;
 
-/// The configuration as a JSON object with one object per group.
-struct ConfigJson {
-  Json json = Json::object();
-
-  template <class Number>
-  void operator()(const Setting& setting, Number value, const Limits<Number>&) {
-    place(setting) = value;
+void put(Json& json, const Setting& setting) {
+  if (const auto text = value_text(setting)) {
+    const bool is_text = std::holds_alternative<ChoiceSetting>(setting.value);
+    json[setting.key] = is_text ? Json(*text) : Json::parse(*text);
   }
-  void operator()(const Setting& setting, bool value) { place(setting) = value; }
-  template <class Value, class Allowed>
-  void operator()(const Setting& setting, const std::optional<Value>& value, const Allowed& allowed) {
-    if (value) (*this)(setting, *value, allowed);
-  }
-  template <class Enum, std::size_t n>
-  void operator()(const Setting& setting, Enum value, const std::array<Choice<Enum>, n>& choices) {
-    for (const auto& choice : choices) {
-      if (choice.value == value) place(setting) = choice.name;
-    }
-  }
-  Json& place(const Setting& setting) {
-    return *setting.group == '\0' ? json[setting.key] : json[setting.group][setting.key];
-  }
-};
+}
 
 /// "group.key" and value for every leaf.
 void add_leaves(const std::string& prefix, const Json& json, std::vector<Fact>& facts) {
@@ -53,18 +36,19 @@ void add_leaves(const std::string& prefix, const Json& json, std::vector<Fact>& 
 
 }  // namespace
 
-Json config_json(const FilterConfig& config) {
-  ConfigJson visitor;
-  visit_settings(config, visitor);
-  for (const LidarConfig& lidar : config.lidars) {
-    ConfigJson entry;
-    visit_lidar_settings(lidar, "", entry);
-    visitor.json[kLidars.name][lidar.name] = std::move(entry.json);
-  }
-  return std::move(visitor.json);
+Json config_json(const Config& config) {
+  Config copy = config;
+  const Settings settings = settings_of(copy);
+  Json json = Json::object();
+  for (const Setting& setting : settings.all)
+    put(setting.group.empty() ? json : json[setting.group], setting);
+  for (const std::string& name : settings.named->names())
+    for (const Setting& setting : settings.named->of(name))
+      put(json[settings.named->group.name][name], setting);
+  return json;
 }
 
-FactTable config_facts(const FilterConfig& config) {
+FactTable config_facts(const Config& config) {
   FactTable table{"Configuration", {}};
   add_leaves("", config_json(config), table.facts);
   return table;

@@ -5,16 +5,16 @@
 #include <optional>
 #include <string>
 
+#include "common/config/config.h"
 #include "common/eval/metrics.h"
-#include "common/filter/config.h"
 #include "tools/report/report.h"
 
 namespace parloc::tools {
 
 /// An object with one object per group.
-nlohmann::ordered_json config_json(const FilterConfig& config);
+nlohmann::ordered_json config_json(const Config& config);
 /// The same for people: "group.key" and value.
-FactTable config_facts(const FilterConfig& config);
+FactTable config_facts(const Config& config);
 
 /// null without relations; values are null where no relation could be compared.
 nlohmann::ordered_json relations_json(const std::optional<RelationErrors>& errors);

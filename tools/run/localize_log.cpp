@@ -8,7 +8,7 @@
 #include <limits>
 #include <utility>
 
-#include "common/config/settings_table.h"
+#include "common/config/config.h"
 #include "common/error.h"
 #include "common/io/scan_stream.h"
 #include "common/model/lidar.h"
@@ -97,8 +97,8 @@ StepRecord step_record(const Estimate& estimate, double stamp_s, double step_ms)
   return step;
 }
 
-FilterConfig filter_config(const LocalizeRequest& request) {
-  FilterConfig config = request.config;
+Config filter_config(const LocalizeRequest& request) {
+  Config config = request.config;
   if (request.odometry_only) config.estimate.mode = EstimateMode::mean;
   return config;
 }
@@ -110,6 +110,7 @@ class Run {
       : tracker_(filter_config(request), map, request.config.localize.health && !request.odometry_only),
         start_(start_of(request, first.stamp_s)) {
     result_.odometry_only = request.odometry_only;
+    result_.config = filter_config(request);
     tracker_.start(start_);
     T_map_odometry_ = compose(start_.pose, inverse(first.odometry));
     earliest_s_ = latest_s_ = first.stamp_s;
@@ -153,7 +154,6 @@ class Run {
     result_.beams = filter().beam_counts();
     result_.lidars = filter().lidars_used();
     result_.warnings = warnings;
-    result_.config = filter().config();
     result_.backend = filter().backend_name();
     result_.digest = filter().digest();
     return std::move(result_);
@@ -174,7 +174,8 @@ class Run {
 
 Localization localize_log(const GridMap& map, LogReader& log, const LocalizeRequest& request) {
   StrictCheck strict(request.strict, request.log_name);
-  ScanStream scans(log, request.config, [&](std::size_t line) { strict.check_log(log.warnings(), line); });
+  ScanStream scans(log, request.config.scan, request.config.lidars,
+                   [&](std::size_t line) { strict.check_log(log.warnings(), line); });
   LogRecord record;
   if (!scans.next(record)) throw no_scan(request.log_name, log.warnings());
 
@@ -192,7 +193,7 @@ Localization localize_log(const GridMap& map, LogReader& log, const LocalizeRequ
   return result;
 }
 
-std::string unused_lidars(const FilterConfig& config, const std::vector<LidarUse>& used) {
+std::string unused_lidars(const StepConfig& config, const std::vector<LidarUse>& used) {
   std::string without, with;
   const auto append = [](std::string& list, const std::string& name) {
     list += (list.empty() ? "" : ", ") + name;
@@ -200,7 +201,7 @@ std::string unused_lidars(const FilterConfig& config, const std::vector<LidarUse
   for (const LidarUse& lidar : used) append(with, lidar.name);
   for (const LidarConfig& lidar : config.lidars) {
     const auto same = [&](const LidarUse& use) { return use.name == lidar.name; };
-    if (std::none_of(used.begin(), used.end(), same)) append(without, lidar_group(lidar));
+    if (std::none_of(used.begin(), used.end(), same)) append(without, "lidars." + lidar.name);
   }
   if (without.empty()) return "";
   return fmt::format("{} in the configuration, but the log has scans of {} only", without, with);

@@ -7,8 +7,8 @@
 #include <string>
 #include <vector>
 
+#include "common/config/config.h"
 #include "common/eval/consistency.h"
-#include "common/filter/config.h"
 #include "common/filter/particle_filter.h"
 #include "common/io/log.h"
 #include "common/io/trajectory.h"
@@ -20,7 +20,7 @@
 namespace parloc::tools {
 
 struct LocalizeRequest {
-  FilterConfig config;
+  Config config;
   std::optional<StartPose> start;  ///< Empty: from `truth`.
   Trajectory truth;                ///< May be empty. Used for the start only.
   std::string log_name;            ///< For messages.
@@ -45,7 +45,7 @@ struct Localization {
   BeamCounts beams;              ///< Of all LiDARs.
   std::vector<LidarUse> lidars;  ///< Of each, in the order in which they came.
   LogWarnings warnings;
-  FilterConfig config;
+  Config config;
   std::string backend;
   std::string digest;
   double wall_s = 0.0;  ///< From the first scan's step to the end, reading the log included, the map not.
@@ -64,7 +64,7 @@ struct Localization {
 Localization localize_log(const GridMap& map, LogReader& log, const LocalizeRequest& request);
 
 /// One line on the LiDARs that are configured but that the log does not have; empty if there are none.
-std::string unused_lidars(const FilterConfig& config, const std::vector<LidarUse>& used);
+std::string unused_lidars(const StepConfig& config, const std::vector<LidarUse>& used);
 
 /// Median and p99 of the steps' wall times but the first, which pays for warming up; NaN without a second
 /// step.

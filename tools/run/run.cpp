@@ -10,10 +10,10 @@
 #include <vector>
 
 #include "common/config/config.h"
-#include "common/config/settings_table.h"
 #include "common/error.h"
 #include "common/eval/metrics.h"
 #include "common/file/output_file.h"
+#include "common/filter/filter_settings.h"
 #include "common/map/map_reader.h"
 #include "tools/program/commands.h"
 #include "tools/program/interrupt.h"
@@ -72,8 +72,8 @@ BackendChoice backend_choice(const std::string& name) {
 }
 
 /// The configuration file with the command line on top.
-FilterConfig effective_config(const RunOptions& o) {
-  FilterConfig config = o.config.empty() ? FilterConfig{} : read_config(o.config);
+Config effective_config(const RunOptions& o) {
+  Config config = o.config.empty() ? Config{} : read_config(o.config);
   if (!o.particles.empty()) {  // a fixed number, whatever the file says
     config.particles = parse_whole_number<std::int64_t>("--particles", o.particles);
     config.min_particles = config.max_particles = 0;
@@ -96,7 +96,7 @@ FilterConfig effective_config(const RunOptions& o) {
 }
 
 /// Where it starts, as far as the command line says so.
-std::optional<StartPose> start_of(const RunOptions& o, const FilterConfig& config) {
+std::optional<StartPose> start_of(const RunOptions& o, const Config& config) {
   if (o.init.empty() && o.truth.empty()) {
     throw Error(ErrorKind::usage, "no start pose: give --init x,y,theta, --init global, or --truth");
   }

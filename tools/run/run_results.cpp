@@ -11,7 +11,7 @@
 #include <utility>
 #include <vector>
 
-#include "common/config/settings_table.h"
+#include "common/config/config.h"
 #include "tools/report/config_facts.h"
 #include "tools/run/run_health.h"
 

@@ -9,6 +9,7 @@
 #include <string_view>
 #include <vector>
 
+#include "common/config/config.h"
 #include "common/error.h"
 
 namespace parloc::tools {
@@ -35,7 +36,7 @@ std::vector<double> parse_numbers(const std::string& text) {
 
 }  // namespace
 
-StartPose parse_start_pose(const std::string& text, const FilterConfig& config) {
+StartPose parse_start_pose(const std::string& text, const Config& config) {
   StartPose start;
   start.anywhere = text == "global";
   if (start.anywhere) return start;
@@ -59,7 +60,7 @@ StartPose parse_start_pose(const std::string& text, const FilterConfig& config) 
   return start;
 }
 
-StartPose parse_start_poses(const std::vector<std::string>& texts, const FilterConfig& config) {
+StartPose parse_start_poses(const std::vector<std::string>& texts, const Config& config) {
   StartPose start = parse_start_pose(texts.at(0), config);
   if (texts.size() == 1) return start;
   for (const std::string& text : texts) {
@@ -71,8 +72,7 @@ StartPose parse_start_poses(const std::vector<std::string>& texts, const FilterC
   return start;
 }
 
-StartPose start_from_truth(const Trajectory& truth, double stamp_s, const FilterConfig& config,
-                           double max_gap_s) {
+StartPose start_from_truth(const Trajectory& truth, double stamp_s, const Config& config, double max_gap_s) {
   const StampedPose* nearest = nullptr;
   double gap_s = std::numeric_limits<double>::infinity();
   for (const StampedPose& row : truth) {

@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "common/filter/config.h"
+#include "common/config/config.h"
 #include "common/filter/pose_guess.h"
 #include "common/io/trajectory.h"
 #include "common/math/pose.h"
@@ -27,15 +27,15 @@ struct StartPose {
 /// "global", "x,y,theta" or "x,y,theta,sx,sy,st" in metres and radians; sigmas not given come from the
 /// configuration. Throws Error{usage} for anything else, for values that are not finite, a theta beyond one
 /// turn (degrees?) and sigmas below 0.
-StartPose parse_start_pose(const std::string& text, const FilterConfig& config);
+StartPose parse_start_pose(const std::string& text, const Config& config);
 
 /// The same for every --init that was given, at least one: several are candidates, each of them a pose, its
 /// spread in place the larger of its two.
-StartPose parse_start_poses(const std::vector<std::string>& texts, const FilterConfig& config);
+StartPose parse_start_poses(const std::vector<std::string>& texts, const Config& config);
 
 /// The truth's pose nearest in time to `stamp_s` (the first of equals), with the configuration's sigmas.
 /// Throws Error{input} if none is within max_gap_s: the truth is then that of another log.
-StartPose start_from_truth(const Trajectory& truth, double stamp_s, const FilterConfig& config,
+StartPose start_from_truth(const Trajectory& truth, double stamp_s, const Config& config,
                            double max_gap_s = 1.5);
 
 }  // namespace parloc::tools

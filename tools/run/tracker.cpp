@@ -1,11 +1,11 @@
 #include "tools/run/tracker.h"
+#include "common/config/config.h"
 
 namespace parloc::tools {
 namespace {
 
-std::variant<ParticleFilter, Localizer> make_engine(const FilterConfig& config, const GridMap& map,
-                                                    bool judged) {
-  if (judged) return Localizer(localizer_config(config), map);
+std::variant<ParticleFilter, Localizer> make_engine(const Config& config, const GridMap& map, bool judged) {
+  if (judged) return Localizer(config, map);
   return ParticleFilter(config, map);
 }
 
@@ -20,7 +20,7 @@ void start_at(Engine& engine, const StartPose& start) {
 
 }  // namespace
 
-Tracker::Tracker(const FilterConfig& config, const GridMap& map, bool judged)
+Tracker::Tracker(const Config& config, const GridMap& map, bool judged)
     : engine_(make_engine(config, map, judged)) {}
 
 void Tracker::start(const StartPose& start) {

@@ -3,6 +3,7 @@
 
 #include <variant>
 
+#include "common/config/config.h"
 #include "common/filter/particle_filter.h"
 #include "common/localize/localizer.h"
 #include "tools/run/start_pose.h"
@@ -12,7 +13,7 @@ namespace parloc::tools {
 class Tracker {
  public:
   /// The closed loop if `judged`.
-  Tracker(const FilterConfig& config, const GridMap& map, bool judged);
+  Tracker(const Config& config, const GridMap& map, bool judged);
 
   void start(const StartPose& start);
   void add_odometry(double stamp_s, const Pose& odometry);

@@ -46,7 +46,6 @@ void finish(const GridSlam& slam, Mapping& m) {
   m.memory = slam.memory();
   m.resident_bytes = tools::peak_resident_bytes();
   m.lidars = slam.lidars_used();
-  m.config = slam.config();
   m.backend = slam.backend_name();
   m.scan_odometry = slam.scan_odometry();
   if (m.scan_odometry) m.odometry = slam.odometry();  // its first scan is its origin
@@ -56,13 +55,15 @@ void finish(const GridSlam& slam, Mapping& m) {
 
 Mapping map_log(LogReader& source, const MapRequest& request) {
   DigestedLog log(source);
-  ScanStream scans(log, request.config, [](std::size_t) {});
+  ScanStream scans(log, request.config.scan, request.config.lidars, [](std::size_t) {});
   LogRecord record;
   if (!scans.next(record)) throw no_scan(request.log_name, log.warnings());
   Checkpoints checkpoints(request, log);
-  GridSlam slam = request.resume != nullptr ? GridSlam(std::move(*request.resume)) : GridSlam(request.config);
+  GridSlam slam = request.resume != nullptr ? GridSlam(std::move(*request.resume))
+                                            : GridSlam(grid_slam_config(request.config));
   checkpoints.check(slam);
   Mapping m;
+  m.config = request.config;
   m.step_s = checkpoints.from().step_s;
   m.resumed_at = checkpoints.from().scans;
   m.odometry_chosen = checkpoints.from().odometry_chosen || request.odometry_chosen;

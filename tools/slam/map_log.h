@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-#include "common/filter/config.h"
+#include "common/config/config.h"
 #include "common/io/log.h"
 #include "common/io/trajectory.h"
 #include "common/map/grid_map.h"
@@ -20,7 +20,7 @@
 namespace parloc::slam {
 
 struct MapRequest {
-  FilterConfig config;
+  Config config;
   std::string log_name;                                              ///< For messages.
   std::function<void(double fraction, std::size_t scans)> progress;  ///< After every scan; may be empty.
   /// After every scan that was taken in; may be empty. `scans` were read.
@@ -53,7 +53,7 @@ struct Mapping {
   std::optional<ScanOdometryCounts> scan_odometry;  ///< Nothing with recorded odometry.
   bool odometry_chosen = false;                     ///< From the scans, since the recorded one never moves.
   std::optional<LoopCounts> loops;                  ///< Nothing where they were left open.
-  FilterConfig config;
+  Config config;
   std::string backend, digest;
   double wall_s = 0.0, log_s = 0.0;
   bool interrupted = false;

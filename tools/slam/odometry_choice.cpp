@@ -1,4 +1,5 @@
 #include "tools/slam/odometry_choice.h"
+#include "common/config/config.h"
 
 #include <cstddef>
 #include <filesystem>
@@ -25,7 +26,7 @@ bool odometry_stands_still(LogReader& log) {
   return scans > 1;
 }
 
-bool choose_odometry(const std::string& log_path, FilterConfig& config) {
+bool choose_odometry(const std::string& log_path, Config& config) {
   std::error_code none;
   if (config.slam.odometry == SlamOdometry::scans || !std::filesystem::is_regular_file(log_path, none))
     return false;

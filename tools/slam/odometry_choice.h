@@ -3,7 +3,7 @@
 
 #include <string>
 
-#include "common/filter/config.h"
+#include "common/config/config.h"
 #include "common/io/log.h"
 
 namespace parloc::slam {
@@ -14,6 +14,6 @@ constexpr const char* kOdometryFromScans = "the log has no odometry that moves: 
 bool odometry_stands_still(LogReader& log);
 /// Has the odometry taken from the scans where the recorded one, that was to be used, never moves; whether it
 /// did so. A log that is not a plain file, and can be read only once, is not looked at.
-bool choose_odometry(const std::string& log_path, FilterConfig& config);
+bool choose_odometry(const std::string& log_path, Config& config);
 
 }  // namespace parloc::slam

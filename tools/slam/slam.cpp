@@ -10,10 +10,11 @@
 #include <vector>
 
 #include "common/config/config.h"
-#include "common/config/settings_table.h"
 #include "common/error.h"
 #include "common/file/output_file.h"
+#include "common/filter/filter_settings.h"
 #include "common/map/map_reader.h"
+#include "common/slam/slam_settings.h"
 #include "tools/program/commands.h"
 #include "tools/program/interrupt.h"
 #include "tools/program/output_folder.h"
@@ -54,8 +55,8 @@ void declare(CLI::App& app, SlamOptions& o) {
   app.get_help_ptr()->group("");  // whoever reads the list knows it
 }
 
-template <class Enum, std::size_t n>
-Enum choice_of(const char* option, const std::string& text, const std::array<Choice<Enum>, n>& choices) {
+template <class Enum>
+Enum choice_of(const char* option, const std::string& text, const std::vector<Choice<Enum>>& choices) {
   std::string names;
   for (const auto& choice : choices) {
     if (text == choice.name) return choice.value;
@@ -65,8 +66,8 @@ Enum choice_of(const char* option, const std::string& text, const std::array<Cho
 }
 
 /// The configuration file with the command line on top.
-FilterConfig effective_config(const SlamOptions& o, const FilterConfig& base) {
-  FilterConfig config = o.config.empty() ? base : read_config(o.config, base);
+Config effective_config(const SlamOptions& o, const Config& base) {
+  Config config = o.config.empty() ? base : read_config(o.config, base);
   if (!o.particles.empty())
     config.slam.particles = parse_whole_number<std::int64_t>("--particles", o.particles);
   if (!o.seed.empty()) config.seed = parse_whole_number<std::uint64_t>("--seed", o.seed);
@@ -100,13 +101,12 @@ std::string checkpoint_path(const SlamOptions& o) {
 
 /// The checkpoint's settings hold; what is given besides must not contradict them, but for where the work is
 /// done.
-FilterConfig resumed_config(const SlamOptions& o, SlamCheckpoint& checkpoint) {
-  FilterConfig config = effective_config(o, checkpoint.config);
-  config.scan.max_beams = checkpoint.config.scan.max_beams;  // not read: slam.max_beams is
-  const std::string change = config_difference(checkpoint.config, config);
+Config resumed_config(const SlamOptions& o, SlamCheckpoint& checkpoint) {
+  const Config config = effective_config(o, config_of(checkpoint.config));
+  const std::string change = config_difference(checkpoint.config, grid_slam_config(config));
   if (!change.empty())
     throw Error(ErrorKind::usage, fmt::format("--resume: {}: {}", checkpoint.name(), change));
-  checkpoint.config = config;
+  checkpoint.config = grid_slam_config(config);
   return config;
 }
 
@@ -141,7 +141,7 @@ int run(const SlamOptions& o, const std::string& typed) {
   slam::MapRequest request;
   std::optional<SlamCheckpoint> checkpoint;
   if (!o.resume.empty()) checkpoint.emplace(checkpoint_path(o));
-  request.config = checkpoint ? resumed_config(o, *checkpoint) : effective_config(o, FilterConfig{});
+  request.config = checkpoint ? resumed_config(o, *checkpoint) : effective_config(o, Config{});
   request.resume = checkpoint ? &*checkpoint : nullptr;
   request.checkpoint_every_s = o.every.empty() ? 60.0 : parse_number("--checkpoint-every", o.every, 0.0, 1e6);
   request.log_name = o.log;

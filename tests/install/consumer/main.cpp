@@ -65,8 +65,8 @@ bool follows(const parloc::FilterConfig& config, const parloc::GridMap& map) {
   return is_near(filter.backend_name().c_str(), estimate.pose, here) && !estimate.lost;
 }
 
-bool finds_itself(const parloc::FilterConfig& config, const parloc::GridMap& map) {
-  parloc::Localizer localizer(parloc::localizer_config(config), map);
+bool finds_itself(const parloc::LocalizerConfig& config, const parloc::GridMap& map) {
+  parloc::Localizer localizer(config, map);
   localizer.start_anywhere();
   parloc::LocalizerEstimate estimate;
   parloc::Pose here;
@@ -81,10 +81,8 @@ bool finds_itself(const parloc::FilterConfig& config, const parloc::GridMap& map
 }
 
 // One scan is worth a cell and two degrees.
-bool is_located(const parloc::FilterConfig& config, const parloc::GridMap& map) {
-  parloc::SearchConfig search_config = config.search;
-  search_config.backend = config.backend;
-  parloc::GlobalSearch search(map, search_config);
+bool is_located(const parloc::LocalizerConfig& config, const parloc::GridMap& map) {
+  parloc::GlobalSearch search(map, config.search, config);
   const parloc::SearchResult result = search.search(look_around(map, kTruth), config.scan);
   if (result.hypotheses.empty() || result.ambiguous) return false;
   const parloc::Pose& best = result.hypotheses[0].pose;
@@ -95,7 +93,7 @@ bool is_located(const parloc::FilterConfig& config, const parloc::GridMap& map) 
 
 // Without a map: 3.6 m along the room, by wheels that count 3 % too much. The map is as large as the room,
 // and the wheels' 11 cm are put right to about a cell.
-bool is_mapped(parloc::FilterConfig config, const parloc::GridMap& room_map) {
+bool is_mapped(parloc::GridSlamConfig config, const parloc::GridMap& room_map) {
   config.slam.particles = 10;
   parloc::GridSlam slam(config);
   const parloc::Pose start{1.5, 1.2, 0.0};

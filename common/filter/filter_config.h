@@ -2,18 +2,9 @@
 #pragma once
 
 #include <cstdint>
-#include <optional>
-#include <string>
-#include <vector>
 
-#include "common/filter/backend_choice.h"
-#include "common/flow/flow_config.h"
-#include "common/localize/localize_config.h"
-#include "common/model/motion_config.h"
-#include "common/model/scan_config.h"
+#include "common/filter/step_config.h"
 #include "common/model/sensor_config.h"
-#include "common/search/search_config.h"
-#include "common/slam/slam_config.h"
 
 namespace parloc {
 
@@ -49,34 +40,24 @@ struct EstimateConfig {
   EstimateMode mode = EstimateMode::cluster;  ///< The whole set's mean, or that of its heaviest cluster.
 };
 
-struct FilterConfig {
-  std::int64_t particles = 2000;   ///< 1 to 16,777,216.
-  std::int64_t min_particles = 0;  ///< Below max_particles: their number adapts. 0: max_particles.
-  std::int64_t max_particles = 0;  ///< 0: particles.
-  std::uint64_t seed = 1;
-  BackendChoice backend = BackendChoice::automatic;
-  int threads = 0;                   ///< 0: all cores.
-  int device = 0;                    ///< Which CUDA device, as `parloc devices` numbers them.
+struct FilterConfig : StepConfig {
+  std::int64_t particles = 2000;     ///< 1 to 16,777,216.
+  std::int64_t min_particles = 0;    ///< Below max_particles: their number adapts. 0: max_particles.
+  std::int64_t max_particles = 0;    ///< 0: particles.
   double initial_sigma_xy = 0.2;     ///< Spread of a start pose given without one [m].
   double initial_sigma_theta = 0.1;  ///< [rad]
-  double update_min_d = 0.0;         ///< Weigh a scan after this much translation [m] ...
-  double update_min_a = 0.0;         ///< ... or this much rotation [rad]; both 0: every scan.
-  MotionConfig motion;
-  ScanConfig scan;
   SensorConfig sensor;
   ResampleConfig resample;
   KldConfig kld;
   RecoveryConfig recovery;
   EstimateConfig estimate;
-  LocalizeConfig localize;
-  FlowConfig flow;
-  SlamConfig slam;
-  SearchConfig search;              ///< Its backend, threads and device are those above.
-  std::vector<LidarConfig> lidars;  ///< May be empty; in no order.
 
   std::int64_t most_particles() const { return max_particles > 0 ? max_particles : particles; }
   std::int64_t fewest_particles() const { return min_particles > 0 ? min_particles : most_particles(); }
   bool adapts_particles() const { return fewest_particles() < most_particles(); }
 };
+
+/// Limits of every setting, and the rules between them. Throws Error{config} naming the setting.
+void validate(const FilterConfig& config);
 
 }  // namespace parloc

@@ -1,4 +1,4 @@
-#include "common/filter/pose_filter.h"
+#include "common/config/pose_filters.h"
 
 #include <algorithm>
 #include <utility>
@@ -57,7 +57,7 @@ std::string all_names() {
 
 }  // namespace
 
-std::unique_ptr<PoseFilter> make_pose_filter(std::string_view name, const FilterConfig& config,
+std::unique_ptr<PoseFilter> make_pose_filter(std::string_view name, const Config& config,
                                              const GridMap& map) {
   FilterConfig c = config;
   if (name == "mcl") {
@@ -70,7 +70,7 @@ std::unique_ptr<PoseFilter> make_pose_filter(std::string_view name, const Filter
     return std::make_unique<ParticlePoseFilter>(c, map);
   }
   for (const auto& [known, method] : kFlowNames)
-    if (name == known) return std::make_unique<FlowFilter>(method, c, map);
+    if (name == known) return std::make_unique<FlowFilter>(method, flow_filter_config(config), map);
   throw Error(ErrorKind::config, "filter '" + std::string(name) + "': expected one of " + all_names());
 }
 

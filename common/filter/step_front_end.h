@@ -1,0 +1,67 @@
+// What all filters do before a step: is the odometry a number, has the robot moved enough, how did it move,
+// which beams count.
+#pragma once
+
+#include <cstddef>
+#include <optional>
+#include <vector>
+
+#include "common/filter/scan_intake.h"
+#include "common/filter/step_config.h"
+#include "common/model/motion.h"
+#include "common/model/odometry_track.h"
+
+namespace parloc {
+
+/// How the odometry says that the robot moved. For a jump, `inflation` is how many times longer it is than
+/// the longest step that is none: as much wider is its noise.
+struct Movement {
+  OdometryIncrement increment;
+  double inflation = 1.0;
+};
+
+/// Follows one drive. Nothing that it is given throws but a scan whose arrays do not fit together.
+class StepFrontEnd {
+ public:
+  /// `config` outlives this.
+  explicit StepFrontEnd(const StepConfig& config) : config_(config), track_(config.motion.max_jump_m) {}
+  void clear();
+
+  /// A reading between steps, in any order. One that is not finite is left out.
+  void add_odometry(double stamp_s, const Pose& odometry) { track_.add(stamp_s, odometry); }
+  /// Whether the reading of a step is finite; a step whose reading is not is to be skipped, and is counted
+  /// here.
+  bool accept(const Pose& odometry);
+  /// Whether a scan counts: the robot has moved update_min_d or turned update_min_a since `before`. SPEC 6.4.
+  bool moved_enough(const std::optional<Pose>& before, const Pose& now) const;
+  /// From the last step's odometry to `now`, which becomes the last; the first step is none. Jumps are
+  /// counted.
+  Movement move_to(const Pose& now);
+  /// Of the last step; empty before the first.
+  const std::optional<Pose>& odometry() const { return odometry_; }
+  /// The next step starts from there.
+  void set_odometry(const std::optional<Pose>& odometry) { odometry_ = odometry; }
+
+  std::size_t lidar_of(const Scan& scan) { return intake_.lidar_of(scan); }
+  /// Fills `beams`; whether there are scan.min_beams of them. Throws Error{input}.
+  bool take(const Scan& scan, const SensorConfig& sensor, double resolution_m, BeamTable& beams);
+  /// The same without counting anything.
+  BeamTable beams_of(const Scan& scan, const SensorConfig& sensor, double resolution_m) const;
+  std::vector<EndPoint> end_points_of(const Scan& scan) const;
+
+  ScanIntake& intake() { return intake_; }
+  const ScanIntake& intake() const { return intake_; }
+  OdometryTrack& track() { return track_; }
+  const OdometryTrack& track() const { return track_; }
+  std::size_t jumps() const { return jumps_; }      ///< Steps longer than motion.max_jump_m.
+  std::size_t invalid() const { return invalid_; }  ///< Steps whose odometry was not finite.
+
+ private:
+  const StepConfig& config_;
+  OdometryTrack track_;
+  ScanIntake intake_;
+  std::optional<Pose> odometry_;
+  std::size_t jumps_ = 0, invalid_ = 0;
+};
+
+}  // namespace parloc

@@ -1,0 +1,21 @@
+// What grid SLAM reads.
+#pragma once
+
+#include "common/filter/step_config.h"
+#include "common/slam/slam_config.h"
+
+namespace parloc {
+
+struct GridSlamConfig : StepConfig {
+  GridSlamConfig() {
+    scan.max_beams = 180;  // at most kMostSlamBeams
+    update_min_d = update_min_a = 0.25;
+  }
+
+  SlamConfig slam;
+};
+
+/// As validate(FilterConfig).
+void validate(const GridSlamConfig& config);
+
+}  // namespace parloc
