@@ -1,6 +1,7 @@
 // The pose graph over pieces of a way: which of them show the same place, and where they then are.
 #pragma once
 
+#include <algorithm>
 #include <cmath>
 #include <cstddef>
 #include <functional>

@@ -39,6 +39,10 @@ constexpr I i32;
 /// Rays in the lanes of one vector, as their main axis (that of the larger direction component) sees them;
 /// the rest is of the other axis.
 struct Rays {
+  // Written out: a constructor that the compiler implies is for no instruction set in particular, and on ARM
+  // cannot call those of vectors.
+  HWY_INLINE Rays() {}
+
   VF start, other_start;    // [cells]
   VF inv, other_inv;        // 1 / direction
   VF sign, other_sign;      // +1 or -1

@@ -12,6 +12,7 @@
 #include <cmath>
 #include <sstream>
 #include <string_view>
+#include <system_error>
 #include <utility>
 #include <vector>
 

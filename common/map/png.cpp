@@ -5,6 +5,7 @@
 
 #include <csetjmp>
 #include <cstddef>
+#include <cstdio>
 #include <cstring>
 #include <string>
 

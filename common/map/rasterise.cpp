@@ -87,7 +87,8 @@ double raster_error_m(const GridMap& map) {
       const double along = square > 0.0 ? std::clamp((x * dx + y * dy) / square, 0.0, 1.0) : 0.0;
       float& best = nearest[static_cast<std::size_t>(j) * static_cast<std::size_t>(map.width) +
                             static_cast<std::size_t>(i)];
-      best = std::min(best, static_cast<float>(std::hypot(x - along * dx, y - along * dy)));
+      const double u = x - along * dx, v = y - along * dy;
+      best = std::min(best, static_cast<float>(std::sqrt(u * u + v * v)));
     });
   }
   float worst = 0.0f;

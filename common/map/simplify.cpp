@@ -11,7 +11,8 @@ double distance(const ChainPoint& p, const ChainPoint& a, const ChainPoint& b) {
   const double dx = b.x - a.x, dy = b.y - a.y, square = dx * dx + dy * dy;
   const double along =
       square > 0.0 ? std::clamp(((p.x - a.x) * dx + (p.y - a.y) * dy) / square, 0.0, 1.0) : 0.0;
-  return std::hypot(p.x - a.x - along * dx, p.y - a.y - along * dy);
+  const double u = p.x - a.x - along * dx, v = p.y - a.y - along * dy;
+  return std::sqrt(u * u + v * v);
 }
 
 struct Farthest {

@@ -1,7 +1,21 @@
 #include "common/slam/pose_graph.h"
 
+// Eigen as a digest may use it, here and nowhere else (tests/system/structure_test.sh). Its vectors fuse
+// multiplications with additions where the instruction set can, whatever the compiler is told about
+// contraction, and their width decides the order of sums.
+#undef EIGEN_DONT_VECTORIZE
+#define EIGEN_DONT_VECTORIZE 1
+#undef EIGEN_DONT_PARALLELIZE
+#define EIGEN_DONT_PARALLELIZE 1
+// Newer versions may fuse scalars as well.
+#undef EIGEN_SCALAR_MADD_USE_FMA
+#define EIGEN_SCALAR_MADD_USE_FMA 0
+// A program that links this library may use Eigen itself, with other flags. A linker takes one of two
+// functions of the same name: these must have other names than those.
+#define Eigen parloc_plain_eigen
 #include <Eigen/Core>
 #include <Eigen/SparseCholesky>
+
 #include <algorithm>
 #include <cmath>
 

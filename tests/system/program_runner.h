@@ -13,7 +13,9 @@
 #include <map>
 #include <sstream>
 #include <string>
+#include <system_error>
 #include <thread>
+#include <utility>
 #include <vector>
 
 namespace parloc::test {

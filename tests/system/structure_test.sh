@@ -26,6 +26,8 @@ includes common | grep -E ' (omp\.h|cuda[a-z_]*\.h|curand.*|cub/.*|thrust/.*|coo
 grep -rnE '^[[:space:]]*#[[:space:]]*pragma[[:space:]]+omp' common | fail "common has no OpenMP" || true
 includes cpu | grep -E ' (cuda[a-z_]*\.h|cub/.*|thrust/.*)$' | fail "cpu has no CUDA" || true
 includes cuda | grep -E ' omp\.h$' | fail "cuda has no OpenMP" || true
+grep -rlE --include='*.h' --include='*.cpp' --include='*.cu' '^[[:space:]]*#[[:space:]]*include[[:space:]]*[<"]Eigen/' common cpu cuda tools tests |
+  grep -vx common/slam/pose_graph.cpp | fail "Eigen is included in common/slam/pose_graph.cpp alone" || true
 # Paths are written from the repository's root, so that this very test can read them.
 grep -rnE --include='*.h' --include='*.cpp' --include='*.cu' --include='*.cuh' '^[[:space:]]*#[[:space:]]*include[[:space:]]*"' \
   common cpu cuda tools tests/unit tests/system tests/fuzz |

@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
-# What a filter step takes from the C maths library: sqrt, fma, floor and rint, which are exact everywhere; nothing else,
-# since sin, exp and their like differ between machines (docs/determinism.md).
+# What a step and its maps take from the C maths library: sqrt, fma, floor, rint and nextafter, which are exact
+# everywhere; nothing else, since sin, exp and their like differ between machines (docs/determinism.md).
 # Usage: symbols_test.sh <build folder>
 set -euo pipefail
 build=${1:?usage: symbols_test.sh <build folder>}
@@ -10,14 +10,14 @@ libm=$("${CXX:-c++}" -print-file-name=libm.so.6)
 symbols_of_libm=$(nm -D --defined-only "$libm" | awk '{print $3}' | sed 's/@.*//' | sort -u)
 
 objects=$build/CMakeFiles/parloc.dir
-mapfile -t step_path < <(find "$objects"/common/math "$objects"/common/model "$objects"/common/filter "$objects"/common/flow "$objects"/cpu \
+mapfile -t step_path < <(find "$objects"/common/{math,map,model,filter,flow,search,localize,slam} "$objects"/cpu \
   -name '*.o' | sort)
 (( ${#step_path[@]} > 0 )) || { echo "no object files under $objects: build first"; exit 1; }
 
 failed=0
 for object in "${step_path[@]}"; do
   imported=$(nm -u "$object" | awk '{print $2}' | sed 's/@.*//' | sort -u)
-  forbidden=$(comm -12 <(echo "$imported") <(echo "$symbols_of_libm") | grep -vE '^(sqrt|fma|floor|rint)[fl]?$' || true)
+  forbidden=$(comm -12 <(echo "$imported") <(echo "$symbols_of_libm") | grep -vE '^(sqrt|fma|floor|rint|nextafter)[fl]?$' || true)
   if [[ -n $forbidden ]]; then
     echo "${object#"$objects"/} imports from libm: $(tr '\n' ' ' <<< "$forbidden")"
     failed=1

@@ -4,6 +4,7 @@
 
 #include <cmath>
 #include <limits>
+#include <utility>
 
 #include "common/error.h"
 #include "tests/unit/temp_file.h"

@@ -1,6 +1,7 @@
 // Things that are on no map: where they stand, what a beam sees of them, and that a seed means the same ones.
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 
 #include "common/error.h"

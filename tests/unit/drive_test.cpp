@@ -1,4 +1,6 @@
 // The drive of a simulated robot along its path, and the shipped paths.
+#include <algorithm>
+
 #include "common/eval/drive.h"
 
 #include "tests/unit/simulated.h"

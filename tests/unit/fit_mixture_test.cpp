@@ -2,6 +2,7 @@
 // worse.
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 
 #include "common/config/config.h"

@@ -4,6 +4,8 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
+#include <cstdio>
+#include <ostream>
 
 #include "common/io/trajectory.h"
 #include "common/map/map_reader.h"

@@ -1,4 +1,5 @@
-// A round corridor, and a drive along it: what comes around again.
+// A round corridor, and a drive along it: what comes around again. The same bits on every machine, for pinned
+// digests.
 #pragma once
 
 #include <cmath>
@@ -26,8 +27,8 @@ class Ring {
     for (int j = 0; j < size; ++j)
       for (int i = 0; i < size; ++i) {
         const double x_m = (i + 0.5) * 0.1 - middle_m_, y_m = (j + 0.5) * 0.1 - middle_m_;
-        const double to_wall_m = 1.0 - std::fabs(std::hypot(x_m, y_m) - radius_m_);
-        const int along = static_cast<int>((std::atan2(y_m, x_m) + kPi) * radius_m_ / 0.1);
+        const double to_wall_m = 1.0 - std::fabs(std::sqrt(x_m * x_m + y_m * y_m) - radius_m_);
+        const int along = static_cast<int>((portable_atan2_64(y_m, x_m) + kPi) * radius_m_ / 0.1);
         const double deep_m = is_post(along) ? 0.35 : 0.0;
         if (to_wall_m < deep_m && to_wall_m > -0.2)
           rows[static_cast<std::size_t>(j)][static_cast<std::size_t>(i)] = '#';
@@ -38,8 +39,8 @@ class Ring {
   /// On the middle of the corridor, counter-clockwise.
   Pose at(double way_m) const {
     const double angle = way_m / radius_m_;
-    return {middle_m_ + radius_m_ * std::cos(angle), middle_m_ + radius_m_ * std::sin(angle),
-            wrap64(angle + kPi / 2)};
+    const SinCos64 r = portable_sincos64(angle);
+    return {middle_m_ + radius_m_ * r.cos, middle_m_ + radius_m_ * r.sin, wrap64(angle + kPi / 2)};
   }
 
  private:

@@ -2,6 +2,7 @@
 // and what the models that ask the whole cloud make of a beam that met something off the map.
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
 

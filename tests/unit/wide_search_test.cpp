@@ -1,6 +1,7 @@
 // Correlative search of a window of poses, against all of its poses one by one.
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <vector>
 
 #include "common/error.h"

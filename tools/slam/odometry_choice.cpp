@@ -4,6 +4,7 @@
 #include <cstddef>
 #include <filesystem>
 #include <optional>
+#include <system_error>
 
 namespace parloc::slam {
 namespace {
