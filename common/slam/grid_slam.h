@@ -14,7 +14,7 @@
 #include "common/model/beam_counts.h"
 #include "common/model/scan.h"
 #include "common/model/trajectory.h"
-#include "common/slam/loop_counts.h"
+#include "common/slam/loops/loop_counts.h"
 #include "common/slam/scan_odometry_counts.h"
 #include "common/slam/slam_checkpoint.h"
 

@@ -8,9 +8,9 @@
 #include <utility>
 #include <vector>
 
-#include "common/slam/draw.h"
 #include "common/slam/gaussian_proposal.h"
-#include "common/slam/hill_climb.h"
+#include "common/slam/matching/draw.h"
+#include "common/slam/matching/hill_climb.h"
 #include "common/slam/path_tree.h"
 
 namespace parloc {
@@ -40,7 +40,7 @@ TEST(SlamCell, IsAWallFromATenthOfTheBeamsOn) {
 TEST(SlamCell, AgesBeforeAnyFieldRunsOver) {
   CellWord w = 0;
   for (int scan = 0; scan < 50; ++scan) {
-    for (std::size_t k = 0; k < kMostSlamBeams; ++k) w += ended_at(0.999f, 0.999f);
+    for (std::size_t k = 0; k < kMostDrawnBeams; ++k) w += ended_at(0.999f, 0.999f);
     EXPECT_EQ(visits_of(w), hits_of(w));  // a field that ran over would spoil the next one
     w = aged(w);
     EXPECT_LT(hits_of(w), kMostHits);
@@ -49,7 +49,7 @@ TEST(SlamCell, AgesBeforeAnyFieldRunsOver) {
   }
   CellWord passed = 0;
   for (int scan = 0; scan < 100; ++scan) {
-    for (std::size_t k = 0; k < kMostSlamBeams; ++k) passed += kPassed;
+    for (std::size_t k = 0; k < kMostDrawnBeams; ++k) passed += kPassed;
     EXPECT_EQ(hits_of(passed), 0u);
     passed = aged(passed);
   }

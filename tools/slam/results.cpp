@@ -8,7 +8,7 @@
 #include <numbers>
 
 #include "common/eval/align.h"
-#include "common/slam/tiles.h"
+#include "common/slam/matching/tiles.h"
 #include "tools/report/config_facts.h"
 #include "tools/report/machine_json.h"
 #include "tools/report/statistics.h"

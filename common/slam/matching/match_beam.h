@@ -3,7 +3,7 @@
 #pragma once
 
 #include "common/filter/stages.h"
-#include "common/slam/tiles.h"
+#include "common/slam/matching/tiles.h"
 
 namespace parloc {
 

@@ -1,4 +1,4 @@
-#include "common/slam/pose_graph.h"
+#include "common/slam/loops/pose_graph.h"
 
 #include <Eigen/Core>
 #include <Eigen/SparseCholesky>

@@ -1,7 +1,7 @@
 // What a search for a pose asks of the map: sums over the beams of a scan.
 #pragma once
 
-#include "common/slam/wide_search.h"
+#include "common/slam/matching/wide_search.h"
 
 namespace parloc {
 
