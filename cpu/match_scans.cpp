@@ -45,7 +45,12 @@ class CpuScanMatcher final : public ScanMatcher {
     for (const FoundPose& f : found) matches.push_back(match_of(f));
     return matches;
   }
-  SlamCells cells(std::size_t map) const override { return maps_.cells(map); }
+  SlamCells cells(std::size_t map) override {
+    const TileMap drawn = maps_.view(map);
+    return gather_cells(drawn.span, drawn.table, [&](const std::vector<std::uint32_t>& ids, Tile* to) {
+      for (const std::uint32_t id : ids) *to++ = drawn.pool.at(id);
+    });
+  }
 
  private:
   int threads_;

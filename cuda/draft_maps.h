@@ -9,6 +9,13 @@
 
 namespace parloc::PARLOC_CUDA_NAMESPACE {
 
+/// A scan where the kernels find it.
+struct PlacedScan {
+  std::size_t map = 0;
+  Beams scan;
+  MatchPose pose;
+};
+
 class DraftMaps {
  public:
   DraftMaps(const MatcherRules& rules, Stream stream);

@@ -78,7 +78,7 @@ class CudaScanMatcher final : public ScanMatcher {
     for (const FoundPose& f : found_.to_host(tasks.size(), stream_)) matches.push_back(match_of(f));
     return matches;
   }
-  SlamCells cells(std::size_t map) const override {
+  SlamCells cells(std::size_t map) override {
     select_device(device_);
     return maps_->cells(map);
   }

@@ -18,13 +18,6 @@
 
 namespace parloc {
 
-/// One scan of draft_maps; all in the backend's memory.
-struct PlacedScan {
-  std::size_t map = 0;
-  Beams scan;
-  MatchPose pose;
-};
-
 /// One task of match_scans; all in the backend's memory.
 struct MatchTask : ScanSearchRules {
   TileMap map;

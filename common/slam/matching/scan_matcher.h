@@ -65,7 +65,8 @@ class ScanMatcher {
   virtual void draw(const std::vector<ScanDrawing>& drawings) = 0;
   /// By query. In a map that nothing was drawn into nothing fits: the start, and a fit of 0.
   virtual std::vector<ScanMatch> match(const std::vector<ScanQuery>& queries) = 0;
-  virtual SlamCells cells(std::size_t map) const = 0;
+  /// What was drawn. Its span holds at least what the scans of this map reach; of the only map, no more.
+  virtual SlamCells cells(std::size_t map) = 0;
 
  private:
   MatcherRules rules_;
