@@ -102,7 +102,8 @@ void DraftMaps::clear() {
 
 void DraftMaps::cover(const std::vector<ScanDrawing>& drawings) {
   const TileSpan span = span_with(span_, drawings, rules_.draw);
-  const std::size_t count = maps_with(count_, drawings);
+  std::size_t count = count_;
+  for (const ScanDrawing& d : drawings) count = std::max(count, d.map + 1);
   if (span.size() == span_.size() && count == count_) return;
   std::vector<std::uint32_t> table =
       moved_tables(table_.to_host(count_ * span_.size(), stream_), span_, span, count_);

@@ -139,9 +139,9 @@ struct GridSlam::State {
                              {bind_matcher_rules(config.slam), config.threads, config.device});
   }
   std::size_t best() const;
-  /// By step: the best particle's poses ...
+  /// By step, the best particle's poses.
   std::vector<Pose> path() const { return paths.path(best()); }
-  /// ... and with loops closed.
+  /// The same with loops closed.
   const ClosedPath& closed_path(const std::function<void(double fraction)>& watch = {});
   Trajectory along(const std::vector<Pose>& path) const;
   /// The map to show, of the best particle or with loops closed.

@@ -21,7 +21,7 @@ struct SlamBackendConfig {
 /// What a step leaves, by slot.
 struct SlamStep {
   std::vector<float> x, y, theta;       ///< After resampling, map frame.
-  std::vector<float> likelihood;        ///< Sum of log-weights over the whole way here.
+  std::vector<float> likelihood;        ///< Sum of log-weights over the whole path here.
   std::vector<std::uint32_t> ancestor;  ///< Slot before resampling.
   StepState state;
   std::size_t tiles = 0;        ///< In use by all particles.

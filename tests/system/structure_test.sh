@@ -32,9 +32,10 @@ grep -rnE --include='*.h' --include='*.cpp' --include='*.cu' --include='*.cuh' '
   grep -vE "include[[:space:]]*\"$ours" | fail "project headers are included by their path from the root" || true
 
 # ---- twins ------------------------------------------------------------------------------------------------------------
-names=(predict ray_trace weight normalise_scan estimate resample)
-for source in cuda/*.cu; do names+=("$(basename "$source" .cu)"); done
+# Each stage and each class that runs them is there for both backends.
+mapfile -t names < <({ basename -a -s .cpp cpu/*.cpp; basename -a -s .cu cuda/*.cu; } | sort -u)
 for name in "${names[@]}"; do
+  [[ $name != simd ]] || continue  # Instruction sets are the CPU's own.
   for twin in "cpu/$name.cpp" "cuda/$name.cu"; do
     [[ -s $twin ]] || echo "$twin is missing" | fail "twin files have twin names"
   done

@@ -76,7 +76,7 @@ bool same_path(const Trajectory& a, const Trajectory& b) {
   return true;
 }
 
-// Of 17 m: 2 % of the way, what wheels that are well calibrated give.
+// Of 17 m: 2 % of the path, what wheels that are well calibrated give.
 TEST(ScanOdometry, DriftsLittle) {
   Walker w;
   w.walk(drive());

@@ -55,7 +55,7 @@ TEST(SlamCell, AgesBeforeAnyFieldRunsOver) {
   }
 }
 
-// ---- The way of a beam
+// ---- The cells that a beam passes
 // -------------------------------------------------------------------------------------
 
 /// Cells by many small steps in float64; those that a step may have jumped over at a corner are missing.
@@ -208,7 +208,7 @@ TEST(HillClimb, FindsTheTopOfASmoothHill) {
   EXPECT_LT(asked, 6 * HillClimb::kMostRounds);
 }
 
-TEST(HillClimb, IsHeldBackByTheSquareOfTheWay) {
+TEST(HillClimb, IsHeldBackByTheSquareOfTheDistance) {
   constexpr std::size_t kBeams = 1000;
   HillClimb climb;
   climb.begin({0, 0, 0}, {0.05f, 0.05f, 7, 2.0f}, kBeams);
@@ -292,10 +292,10 @@ TEST(GaussianProposal, EtaTimesTheVolumeIsThePredictiveLikelihood) {
   EXPECT_NEAR(m.covariance(0, 0), 1.0 / (1.0 / 0.0025 + 1.0 / 0.0036), 5e-5);
 }
 
-// ---- The ways of particles
+// ---- The paths of particles
 // ---------------------------------------------------------------------------------
 
-TEST(PathTree, EveryParticleKeepsItsWay) {
+TEST(PathTree, EveryParticleKeepsItsPath) {
   PathTree tree(3);
   tree.add({{0, 0, 0}, {1, 0, 0}, {2, 0, 0}}, {0, 0, 0});
   tree.add({{10, 0, 0}, {11, 0, 0}, {12, 0, 0}}, {2, 2, 0});

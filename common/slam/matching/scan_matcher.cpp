@@ -2,7 +2,6 @@
 
 #include <fmt/format.h>
 
-#include <algorithm>
 #include <cmath>
 
 #include "common/error.h"
@@ -45,11 +44,6 @@ MatchTask bind_query(const ScanQuery& query, const TileMap& map, const Beams& sc
                      const MatcherRules& rules) {
   const std::size_t beams = count_matched(query.scan->range_m.data(), query.scan->hits, rules.match);
   return {{query.search, query.climb, beams}, map, scan, slam_pose(query.start)};
-}
-
-std::size_t maps_with(std::size_t maps, const std::vector<ScanDrawing>& drawings) {
-  for (const ScanDrawing& d : drawings) maps = std::max(maps, d.map + 1);
-  return maps;
 }
 
 TileSpan span_with(TileSpan span, const std::vector<ScanDrawing>& drawings, const DrawRules& rules) {

@@ -81,8 +81,6 @@ ScanMatch match_of(const FoundPose& found);
 /// The query in the backend's memory, where its map and its scan are.
 MatchTask bind_query(const ScanQuery& query, const TileMap& map, const Beams& scan,
                      const MatcherRules& rules);
-/// How many maps there are once these were drawn, `maps` so far.
-std::size_t maps_with(std::size_t maps, const std::vector<ScanDrawing>& drawings);
 /// A span that holds `span` and all that the scans reach.
 TileSpan span_with(TileSpan span, const std::vector<ScanDrawing>& drawings, const DrawRules& rules);
 
