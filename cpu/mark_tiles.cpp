@@ -1,6 +1,6 @@
 #include <cstring>
 
-#include "common/slam/draw.h"
+#include "common/slam/matching/draw.h"
 #include "cpu/slam_stages.h"
 
 namespace parloc::cpu {

@@ -1,16 +1,17 @@
-// Sums over the beams of a scan, as sum_beams of common/slam/match_sums.h to the bit, in three passes: where
-// the beams end (vectors), what is near there in the map (a beam at a time), what that is worth (vectors).
+// Sums over the beams of a scan, as sum_beams of common/slam/matching/match_sums.h to the bit, in three
+// passes: where the beams end (vectors), what is near there in the map (a beam at a time), what that is worth
+// (vectors).
 #pragma once
 
-#include "common/slam/match_sums.h"
+#include "common/slam/matching/match_sums.h"
 
 namespace parloc::cpu {
 
 /// Memory of the passes; uninitialised.
 struct BeamSums {
-  float u[kMostSlamBeams], v[kMostSlamBeams];                ///< Where beams end [cells].
-  float before_u[kMostSlamBeams], before_v[kMostSlamBeams];  ///< Where there must be free space.
-  float d[kMostSlamBeams];                                   ///< As match_beam.
+  float u[kMostDrawnBeams], v[kMostDrawnBeams];                ///< Where beams end [cells].
+  float before_u[kMostDrawnBeams], before_v[kMostDrawnBeams];  ///< Where there must be free space.
+  float d[kMostDrawnBeams];                                    ///< As match_beam.
 
   PARLOC_HD std::int32_t sum(const TileMap& map, const Beams& beams, const MatchPose& p, const MatchRules& r,
                              Ask ask) {

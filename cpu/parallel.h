@@ -4,6 +4,7 @@
 
 #include <omp.h>
 
+#include <algorithm>
 #include <cstddef>
 #include <cstdint>
 #include <vector>
@@ -82,6 +83,18 @@ void parallel_blocks(std::size_t count, int threads, std::size_t grain, const Lo
 template <class Loop>
 void parallel_for(std::size_t count, int threads, const Loop& loop) {
   parallel_blocks(count, count < kSmallLoop ? 1 : threads, 64, loop);
+}
+
+/// task(k) for each k in [0, count), which may take unlike times: a thread that is done takes the next.
+/// `task` is a lambda marked PARLOC_SIMD_LOOP that must not throw.
+template <class Task>
+void parallel_tasks(std::size_t count, int threads, const Task& task) {
+  const int team = static_cast<int>(std::clamp<std::size_t>(count, 1, static_cast<std::size_t>(threads)));
+#pragma omp parallel for schedule(dynamic, 1) num_threads(team) if (team > 1)
+  for (std::size_t k = 0; k < count; ++k) {
+    const StrictFloat strict;
+    run_simd([&]() PARLOC_SIMD_LOOP { task(k); });
+  }
 }
 
 }  // namespace parloc::cpu

@@ -1,4 +1,4 @@
-#include "common/slam/draw.h"
+#include "common/slam/matching/draw.h"
 #include "cpu/slam_stages.h"
 
 namespace parloc::cpu {

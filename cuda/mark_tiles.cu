@@ -1,4 +1,4 @@
-#include "common/slam/draw.h"
+#include "common/slam/matching/draw.h"
 #include "cuda/slam_stages.h"
 
 namespace parloc::PARLOC_CUDA_NAMESPACE {

@@ -1,20 +1,15 @@
-#include "common/math/atomics.h"
+#include "cuda/match_sum.h"
 #include "cuda/slam_stages.h"
 
 namespace parloc::PARLOC_CUDA_NAMESPACE {
 namespace {
 
-constexpr unsigned kLanes = 32;  // a warp adds up the beams of one pose
-
 /// A block per particle. Its first thread decides which poses are looked at next; warps take one each.
 struct Propose {
   struct Shared {
     unsigned char proposer[sizeof(Proposer)];
-    MatchPose pose[Proposer::kMostPoses];
-    std::uint32_t sum[Proposer::kMostPoses];  ///< Two's complement, so that sums of either sign wrap alike.
+    PoseSums sums;
     Proposer::Room room;
-    int wanted;
-    Ask ask;
   };
   ProposeRules rules;
   Beams beams;
@@ -26,35 +21,20 @@ struct Propose {
   PARLOC_HD void operator()(const Thread& me, int phase, Shared& s) const {
     const std::size_t i = me.block;
     if (i >= p.count()) return;
-    if (phase % 2 == 1) return answer(me, maps.of(i), s);
-    if (me.thread > 0 || (phase > 0 && s.wanted == 0)) return;
+    if (phase % 2 == 1) return s.sums.answer(me, maps.of(i), beams, rules.match);
+    if (me.thread > 0 || (phase > 0 && s.sums.wanted == 0)) return;
     Proposer& proposer = *reinterpret_cast<Proposer*>(s.proposer);
     if (phase == 0) {
       proposer = Proposer{};
       proposer.begin(slam_pose(p, i), static_cast<std::uint32_t>(i), rules);
     } else {
-      proposer.take(reinterpret_cast<const std::int32_t*>(s.sum), s.room, rules);
+      proposer.take(s.sums.sums(), s.room, rules);
     }
-    put_question(proposer, s);
-    if (s.wanted == 0) put(proposer, i);
+    s.sums.ask(proposer, rules, rules.match);
+    if (s.sums.wanted == 0) put(proposer, i);
   }
 
  private:
-  PARLOC_HD void put_question(const Proposer& proposer, Shared& s) const {
-    s.wanted = proposer.wanted();
-    s.ask = proposer.ask();
-    for (int k = 0; k < s.wanted; ++k) {
-      s.pose[k] = match_pose(proposer.candidate(k, rules), rules.match);
-      s.sum[k] = 0;
-    }
-  }
-  PARLOC_HD void answer(const Thread& me, const TileMap& map, Shared& s) const {
-    for (unsigned k = me.thread / kLanes; k < static_cast<unsigned>(s.wanted); k += kThreads / kLanes) {
-      const std::int32_t sum =
-          sum_beams(map, beams, s.pose[k], rules.match, s.ask, me.thread % kLanes, kLanes);
-      atomic_add(&s.sum[k], static_cast<std::uint32_t>(sum));
-    }
-  }
   PARLOC_HD void put(const Proposer& proposer, std::size_t i) const {
     p.x[i] = proposer.pose().x, p.y[i] = proposer.pose().y, p.theta[i] = proposer.pose().theta;
     p.log_weight[i] += proposer.log_weight();

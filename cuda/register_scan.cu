@@ -1,5 +1,5 @@
 #include "common/math/atomics.h"
-#include "common/slam/draw.h"
+#include "common/slam/matching/draw.h"
 #include "cuda/slam_stages.h"
 
 namespace parloc::PARLOC_CUDA_NAMESPACE {

@@ -3,7 +3,7 @@
 #pragma once
 
 #include "common/flow/pose_gaussian.h"
-#include "common/slam/match_beam.h"
+#include "common/slam/matching/match_beam.h"
 
 namespace parloc {
 

@@ -11,7 +11,7 @@
 #include "common/math/sha256.h"
 #include "common/slam/checkpoint_frame.h"
 #include "common/slam/checkpoint_values.h"
-#include "common/slam/close_loops.h"
+#include "common/slam/loops/close_loops.h"
 #include "common/slam/path_tree.h"
 #include "common/slam/scan_odometry.h"
 #include "common/slam/slam_backend.h"
@@ -121,10 +121,14 @@ struct GridSlam::State {
   }
   Pose pose_at(const Moment& m, const std::vector<Pose>& path) const;
   SlamCells cells_of(std::size_t particle) const;
+  std::unique_ptr<ScanMatcher> matcher() const {
+    return make_scan_matcher(config.backend,
+                             {bind_matcher_rules(config.slam), config.threads, config.device});
+  }
   std::size_t best() const;
-  /// By step: the best particle's poses ...
+  /// By step, the best particle's poses.
   std::vector<Pose> path() const { return paths.path(best()); }
-  /// ... and with loops closed.
+  /// The same with loops closed.
   const ClosedPath& closed_path(const std::function<void(double fraction)>& watch = {});
   Trajectory along(const std::vector<Pose>& path) const;
   /// The map to show, of the best particle or with loops closed.
@@ -139,7 +143,7 @@ GridSlam::GridSlam(const GridSlamConfig& config) : state_(std::make_unique<State
   validate(config);
   std::string why;
   state_->backend = make_slam_backend(config.backend, {config.slam, config.threads, config.device}, why);
-  if (config.slam.odometry == SlamOdometry::scans) state_->scan_odometry.emplace(config.slam);
+  if (config.slam.odometry == SlamOdometry::scans) state_->scan_odometry.emplace(state_->matcher());
 }
 GridSlam::GridSlam(SlamCheckpoint checkpoint) : GridSlam(checkpoint.config) {
   const std::string change = config_difference(checkpoint.saved_config_, checkpoint.config);
@@ -261,13 +265,13 @@ SlamCells GridSlam::State::cells_of(std::size_t particle) const {
 }
 
 const ClosedPath& GridSlam::State::closed_path(const std::function<void(double fraction)>& watch) {
-  if (!closed) closed = parloc::close_loops(config.slam, {path(), odometry_of, scans}, config.threads, watch);
+  if (!closed) closed = parloc::close_loops({path(), odometry_of, scans}, *matcher(), watch);
   return *closed;
 }
 
 SlamCells GridSlam::State::cells() {
   if (!config.slam.close_loops || closed_path().counts.used == 0) return cells_of(best());
-  return drawn_map(config.slam, scans, closed_path().path);
+  return drawn_map(scans, closed_path().path, *matcher());
 }
 
 Trajectory GridSlam::State::along(const std::vector<Pose>& path) const {

@@ -14,7 +14,7 @@
 #include "common/model/scan.h"
 #include "common/model/trajectory.h"
 #include "common/slam/grid_slam_config.h"
-#include "common/slam/loop_counts.h"
+#include "common/slam/loops/loop_counts.h"
 #include "common/slam/scan_odometry_counts.h"
 #include "common/slam/slam_checkpoint.h"
 

@@ -1,4 +1,4 @@
-// The ways that particles came: a tree, since resampled particles share what is behind them. Chains that no
+// The paths that particles came: a tree, since resampled particles share what is behind them. Chains that no
 // particle descends from are forgotten.
 #pragma once
 

@@ -3,33 +3,28 @@
 #pragma once
 
 #include "common/slam/gaussian_proposal.h"
-#include "common/slam/hill_climb.h"
-#include "common/slam/match_sums.h"
+#include "common/slam/matching/match_scan.h"
 #include "common/slam/slam_config.h"
 
 namespace parloc {
 
-struct ProposeRules {
+/// Its beams are 0 without a scan, or with nothing to match it to.
+struct ProposeRules : ScanSearchRules {
   SlamProposal proposal = SlamProposal::scan_match;
   MatchRules match;
-  SearchRules search;
-  ClimbRules climb;
   ProposalBox box;
   float beta_weight = 0, beta_proposal = 1;
   float min_score = 0;  ///< Per beam [1/65536].
   float floor_xy = 0, floor_theta = 0;
   RandomKey key;
   MotionStep motion;
-  std::size_t beams = 0;  ///< That are matched; 0: no scan, or nothing to match it to.
 };
 
 class Proposer {
  public:
-  static constexpr int kMostPoses = WideSearch::kBatch;
-  static_assert(kBoxPoints <= kMostPoses && WideSearch::kBlock * WideSearch::kBlock <= kMostPoses);
-  PARLOC_HD static int most_rounds(const ProposeRules& r) {
-    return HillClimb::kMostRounds + 1 + (r.search.any() ? WideSearch::kMostRounds : 0);
-  }
+  static constexpr int kMostPoses = ScanSearch::kMostPoses;
+  static_assert(kBoxPoints <= kMostPoses);
+  PARLOC_HD static int most_rounds(const ProposeRules& r) { return ScanSearch::most_rounds(r.search) + 1; }
   /// Memory from round to round.
   struct Room {
     double log[kMostPoses];
@@ -56,38 +51,27 @@ class Proposer {
     stage_ = r.beams == 0 ? Stage::end : Stage::likelihood;
     if (stage_ == Stage::end && r.proposal == SlamProposal::gaussian) pose_ = drawn(pose, slot, r);
     if (stage_ == Stage::likelihood && r.proposal != SlamProposal::motion) {
-      stage_ = r.search.any() ? Stage::search : Stage::climb;
-      search_.begin(pose_, r.search, r.beams);
-      climb_.begin(pose_, r.climb, r.beams);
+      stage_ = Stage::match;
+      match_.begin(pose_, r);
     }
   }
   PARLOC_HD bool done() const { return stage_ == Stage::end; }
-  PARLOC_HD Ask ask() const {
-    if (stage_ == Stage::search && search_.asks_bounds()) return Ask::bound;
-    return stage_ == Stage::climb || stage_ == Stage::search ? Ask::score : Ask::likelihood;
-  }
+  PARLOC_HD Ask ask() const { return stage_ == Stage::match ? match_.ask() : Ask::likelihood; }
   PARLOC_HD int wanted() const {
-    return stage_ == Stage::search  ? search_.wanted()
-           : stage_ == Stage::climb ? climb_.wanted()
-           : stage_ == Stage::box   ? kBoxPoints
-           : stage_ == Stage::end   ? 0
-                                    : 1;
+    return stage_ == Stage::match ? match_.wanted()
+           : stage_ == Stage::box ? kBoxPoints
+           : stage_ == Stage::end ? 0
+                                  : 1;
   }
   PARLOC_HD SlamPose candidate(int k, const ProposeRules& r) const {
-    if (stage_ == Stage::search) return search_.candidate(k, r.search);
-    if (stage_ == Stage::climb) return climb_.candidate(k);
+    if (stage_ == Stage::match) return match_.candidate(k, r);
     if (stage_ == Stage::box) return pose_of(box_plus(vector_of(pose_), r.box.offset(k)));
     return pose_;
   }
   PARLOC_HD void take(const std::int32_t* sum, Room& room, const ProposeRules& r) {
-    if (stage_ == Stage::search) {
-      search_.take(sum, room.bound, r.search);
-      if (!search_.done()) return;
-      stage_ = Stage::climb;
-      climb_.begin(search_.pose(), r.climb, r.beams);
-    } else if (stage_ == Stage::climb) {
-      climb_.take(sum);
-      if (climb_.done()) finish_climb(r);
+    if (stage_ == Stage::match) {
+      match_.take(sum, room.bound, r);
+      if (match_.done()) finish_match(r);
     } else if (stage_ == Stage::box) {
       finish_box(sum, room.log, r);
     } else {
@@ -99,7 +83,7 @@ class Proposer {
   PARLOC_HD float log_weight() const { return log_weight_; }
 
  private:
-  enum class Stage { search, climb, box, likelihood, end };
+  enum class Stage { match, box, likelihood, end };
 
   PARLOC_HD static float nats(std::int32_t sum) { return static_cast<float>(sum) / kScoreUnits; }
   PARLOC_HD static Vector3 vector_of(const SlamPose& p) {
@@ -116,9 +100,9 @@ class Proposer {
     spread_one(p.x, p.y, p.theta, r.motion, slot, r.key.step, r.key.seed);
     return p;
   }
-  PARLOC_HD void finish_climb(const ProposeRules& r) {
-    const bool fits = static_cast<float>(climb_.score()) > least_score_;
-    if (fits) pose_ = climb_.pose();
+  PARLOC_HD void finish_match(const ProposeRules& r) {
+    const bool fits = static_cast<float>(match_.score()) > least_score_;
+    if (fits) pose_ = match_.pose();
     if (!fits && r.proposal == SlamProposal::gaussian) pose_ = drawn(before_, slot_, r);
     stage_ = fits && r.proposal == SlamProposal::gaussian ? Stage::box : Stage::likelihood;
   }
@@ -143,8 +127,7 @@ class Proposer {
     stage_ = Stage::end;
   }
 
-  WideSearch search_;
-  HillClimb climb_;
+  ScanSearch match_;
   SlamPose pose_, before_;
   Vector3 predicted_;
   Matrix3 motion_;

@@ -1,12 +1,13 @@
 // A backend of grid SLAM owns particles, tables and tiles in its memory and runs the stages on them.
 #pragma once
 
-#include <functional>
 #include <memory>
 #include <string>
 #include <vector>
 
 #include "common/filter/backend.h"
+#include "common/slam/matching/map_tables.h"
+#include "common/slam/matching/scan_matcher.h"
 #include "common/slam/slam_stages.h"
 
 namespace parloc {
@@ -20,18 +21,11 @@ struct SlamBackendConfig {
 /// What a step leaves, by slot.
 struct SlamStep {
   std::vector<float> x, y, theta;       ///< After resampling, map frame.
-  std::vector<float> likelihood;        ///< Sum of log-weights over the whole way here.
+  std::vector<float> likelihood;        ///< Sum of log-weights over the whole path here.
   std::vector<std::uint32_t> ancestor;  ///< Slot before resampling.
   StepState state;
   std::size_t tiles = 0;        ///< In use by all particles.
   std::size_t table_bytes = 0;  ///< Of all tables.
-};
-
-/// One particle's map in host memory: the cells of the smallest rectangle of tiles that holds all it has.
-struct SlamCells {
-  std::int32_t first_i = 0, first_j = 0, width = 0, height = 0;  ///< [cells]
-  std::vector<CellWord> cell;                                    ///< Row-major.
-  TileSpan span;                                                 ///< What the tables cover.
 };
 
 /// All that a backend has between two steps but the tiles themselves, in host memory.
@@ -72,35 +66,13 @@ class SlamBackend {
 };
 
 /// Rules of a configuration; the scan's and the step's part is left open.
-/// Of a search so far around. Throws Error{config} for a window too large.
-SearchRules bind_search_rules(const SlamConfig& config, double reach_m, double reach_rad, double bias);
 ProposeRules bind_propose_rules(const SlamConfig& config);
+MatcherRules bind_matcher_rules(const SlamConfig& config);
 DrawRules bind_draw_rules(const SlamConfig& config);
 /// The part of one step; `rules.motion` and `rules.key` are given. `empty`: no map has a cell yet.
 void bind_scan(ProposeRules& rules, const BeamTable& scan, bool empty);
 /// values[j] of slot j's ancestor.
 void inherit(std::vector<float>& values, const std::vector<std::uint32_t>& ancestor);
-/// Tiles that scans at the poses may touch.
-TileSpan reached_tiles(const std::vector<float>& x, const std::vector<float>& y, double reach_m,
-                       double resolution_m);
-/// A span that holds `span` and everything within `reach_m` of the poses, with room to spare if it must grow.
-/// Throws Error{input} for one that no map can have.
-TileSpan grown_span(const TileSpan& span, const std::vector<float>& x, const std::vector<float>& y,
-                    double reach_m, double resolution_m);
-/// What of the tables' places in one span they have in another.
-std::vector<std::uint32_t> moved_tables(const std::vector<std::uint32_t>& table, const TileSpan& from,
-                                        const TileSpan& to, std::size_t particles);
-
-/// Each tile that the tables name, in the order in which they do first; the empty one apart.
-std::vector<std::uint32_t> tiles_named(const std::vector<std::uint32_t>& table);
-/// How many tables name each of `tiles` tiles; the empty one counts as named.
-std::vector<std::uint32_t> count_references(const std::vector<std::uint32_t>& table, std::size_t tiles);
-/// The first `count` tiles without a reference.
-std::vector<std::uint32_t> first_free(const std::uint32_t* references, std::size_t count);
-/// The cells that a table names; read(ids, to) fetches tiles.
-SlamCells gather_cells(const TileSpan& span, const std::uint32_t* table,
-                       const std::function<void(const std::vector<std::uint32_t>& ids, Tile* to)>& read);
-
 /// Defined in cpu/slam_backend.cpp and cuda/slam_backend.cu. Throw as make_cpu_backend and make_cuda_backend.
 std::unique_ptr<SlamBackend> make_cpu_slam_backend(const SlamBackendConfig& config);
 std::unique_ptr<SlamBackend> make_cuda_slam_backend(const SlamBackendConfig& config);

@@ -60,12 +60,12 @@ SubMaps::SubMaps(const SlamConfig& config)
       reach_m_(config.usable_range + config.search_xy),
       most_tiles_(static_cast<std::size_t>(config.memory_mib * kMiB / static_cast<double>(sizeof(Tile)))) {}
 
-void SubMaps::give_back(SlamBackend& backend, double way_m) {
+void SubMaps::give_back(SlamBackend& backend, double travel_m) {
   if (tile_.empty()) return;
   SlamSnapshot s = backend.save();
-  constexpr double kMostWay =
+  constexpr double kMostTravel =
       2.0;  // times the odometry's; who goes farther sees nothing there, and adds later
-  const double reach_m = reach_m_ + kMostWay * way_m;
+  const double reach_m = reach_m_ + kMostTravel * travel_m;
   const TileSpan near = reached_tiles(s.x, s.y, reach_m, config_.resolution);
   std::vector<Place> places;
   for (const auto& [place, tile] : tile_)

@@ -19,9 +19,9 @@ class SubMaps {
  public:
   explicit SubMaps(const SlamConfig& config);
 
-  /// To be called before a step, in which the robot goes `way_m` by its odometry: what it may see then
+  /// To be called before a step, in which the robot goes `travel_m` by its odometry: what it may see then
   /// becomes part of every particle's map again, shared until one of them writes.
-  void give_back(SlamBackend& backend, double way_m);
+  void give_back(SlamBackend& backend, double travel_m);
   /// SlamBackend::mark(), after which there is room for what write() takes: if need be, what is far is handed
   /// over. Throws Error{config} if what is near is too much already.
   void make_room(SlamBackend& backend);

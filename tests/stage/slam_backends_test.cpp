@@ -98,7 +98,8 @@ void expect_same(const Trace& a, const Trace& b) {
 GridMap corridor_with_posts() {
   std::vector<std::string> rows(40, std::string(600, '.'));
   rows.front() = rows.back() = std::string(600, '#');
-  for (std::size_t i = 0; i < 600; ++i)  // posts on both walls, without which a scan says nothing of the way
+  for (std::size_t i = 0; i < 600;
+       ++i)  // posts on both walls, without which a scan says nothing of the distance
     if (i % 16 < 3 || i % 23 < 2) rows[1][i] = rows[2][i] = rows[37][i] = rows[38][i] = '#';
   return grid_from_text(rows, 0.05);
 }
@@ -113,12 +114,12 @@ bool has_visits(const SlamCells& map, std::int32_t i0, std::int32_t j0) {
   return false;
 }
 
-struct Way {
+struct Variant {
   SlamProposal proposal;
   bool search;  ///< Wide, before the matcher climbs.
 };
 
-class SlamBackends : public testing::TestWithParam<Way> {
+class SlamBackends : public testing::TestWithParam<Variant> {
  protected:
   SlamBackendConfig config(std::int64_t particles, int threads) const {
     SlamBackendConfig c;
@@ -302,7 +303,7 @@ TEST_P(SlamBackends, GpuEqualsCpu) {
   expect_same(whole, run(*gpu, config(40, 2), 7, host.get()));
 }
 
-std::string name_of(const testing::TestParamInfo<Way>& tested) {
+std::string name_of(const testing::TestParamInfo<Variant>& tested) {
   const SlamProposal p = tested.param.proposal;
   const std::string name = p == SlamProposal::motion       ? "motion"
                            : p == SlamProposal::scan_match ? "scan_match"
@@ -310,11 +311,11 @@ std::string name_of(const testing::TestParamInfo<Way>& tested) {
   return tested.param.search ? name + "_search" : name;
 }
 INSTANTIATE_TEST_SUITE_P(All, SlamBackends,
-                         testing::Values(Way{SlamProposal::motion, false},
-                                         Way{SlamProposal::scan_match, false},
-                                         Way{SlamProposal::gaussian, false},
-                                         Way{SlamProposal::scan_match, true},
-                                         Way{SlamProposal::gaussian, true}),
+                         testing::Values(Variant{SlamProposal::motion, false},
+                                         Variant{SlamProposal::scan_match, false},
+                                         Variant{SlamProposal::gaussian, false},
+                                         Variant{SlamProposal::scan_match, true},
+                                         Variant{SlamProposal::gaussian, true}),
                          name_of);
 
 }  // namespace

@@ -1,6 +1,6 @@
 // Loops closed after the fact: a round that one particle leaves open is closed by slam.close_loops, to the
 // same bits at any number of threads and with a break.
-#include "common/slam/close_loops.h"
+#include "common/slam/loops/close_loops.h"
 
 #include <gtest/gtest.h>
 
@@ -38,11 +38,11 @@ const Ring& ring() {
 }
 
 /// Ranges are off by 3 cm, steps of the odometry by a hundredth and 0.2 degrees.
-RingDrive drive(const Ring& along, double way_m) {
+RingDrive drive(const Ring& along, double length_m) {
   std::mt19937 random(7);
   const auto noise = [&] { return static_cast<double>(random()) / 2147483648.0 - 1.0; };
   return drive_along(
-      along, way_m,
+      along, length_m,
       [&](int, Pose step) {
         step.x_m *= 0.99, step.theta_rad += 0.0035 * noise();
         return step;
@@ -87,11 +87,11 @@ const GridSlam& made(bool close) {
 }
 
 /// Where the robot comes by the second time, seen from the first time, and where it should be.
-double step_at_the_loop_m(const Trajectory& way, const Trajectory& truth) {
+double step_at_the_loop_m(const Trajectory& path, const Trajectory& truth) {
   double most_m = 0.0;
-  for (std::size_t k = static_cast<std::size_t>(kRound_m / RingDrive::kStep_m) + 1; k < way.size(); ++k) {
+  for (std::size_t k = static_cast<std::size_t>(kRound_m / RingDrive::kStep_m) + 1; k < path.size(); ++k) {
     const std::size_t before = k - static_cast<std::size_t>(std::lround(kRound_m / RingDrive::kStep_m));
-    const Pose seen = relative(way[k].pose, way[before].pose);
+    const Pose seen = relative(path[k].pose, path[before].pose);
     const Pose is = relative(truth[k].pose, truth[before].pose);
     most_m = std::max(most_m, std::hypot(seen.x_m - is.x_m, seen.y_m - is.y_m));
   }
@@ -138,7 +138,7 @@ std::size_t false_walls(const GridMap& map) {
   return count;
 }
 
-TEST(CloseLoops, TheMapIsDrawnAnewAlongTheClosedWay) {
+TEST(CloseLoops, TheMapIsDrawnAnewAlongTheClosedPath) {
   const std::size_t open = false_walls(made(false).map()), closed = false_walls(made(true).map());
   RecordProperty("open_cells", std::to_string(open));
   RecordProperty("closed_cells", std::to_string(closed));
@@ -230,7 +230,7 @@ TEST(CloseLoops, NothingOfNothing) {
   EXPECT_TRUE(slam.trajectory().empty());
   EXPECT_EQ(slam.loops().value().tried, 0u);
   EXPECT_THROW(slam.map(), Error);
-  EXPECT_TRUE(close_loops({}, {}, 1).path.empty());
+  EXPECT_TRUE(close_loops({}, *make_cpu_scan_matcher({}), {}).path.empty());
 }
 
 // A fine map needs smaller windows of search than a coarse one.

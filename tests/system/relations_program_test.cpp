@@ -32,8 +32,8 @@ class RelationsProgram : public ProgramSuite {
     write("junk.tum", "3 0 0 0 0 0 0 1 0.5\n");
     write("empty.tum", "");
   }
-  static Outcome judge(const std::string& way, const std::string& relations, const Args& more = {}) {
-    return call(with({"evaluate", "--trajectory", way, "--relations", relations}, more));
+  static Outcome judge(const std::string& trajectory, const std::string& relations, const Args& more = {}) {
+    return call(with({"evaluate", "--trajectory", trajectory, "--relations", relations}, more));
   }
 };
 
@@ -115,14 +115,14 @@ TEST_F(RelationsProgram, SaysWhatSlamSays) {
 }
 
 TEST_F(RelationsProgram, ErrorsAreOneLineWithACode) {
-  const std::string way = path("way.tum"), relations = path("relations.txt");
-  const Args both{"evaluate", "--trajectory", way, "--relations", relations};
+  const std::string trajectory = path("way.tum"), relations = path("relations.txt");
+  const Args both{"evaluate", "--trajectory", trajectory, "--relations", relations};
   const auto files = [&](const std::string& t, const std::string& r) {
     return Args{"evaluate", "--trajectory", path(t), "--relations", path(r)};
   };
   const ProgramCase cases[] = {
       {{"evaluate", "--relations", relations}, 2, "--trajectory T.tum"},
-      {{"evaluate", "--trajectory", way}, 2, "--relations R.txt"},
+      {{"evaluate", "--trajectory", trajectory}, 2, "--relations R.txt"},
       {{"evaluate", "--dataset", "intel", "--log", kLog[1]}, 2, "--relations R.txt"},
       {with(both, {"--dataset", "atlantis"}), 2,
        "aces, intel, mit_killian, mit_csail, freiburg_079, freiburg_hospital, got 'atlantis'"},

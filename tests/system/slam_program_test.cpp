@@ -58,13 +58,13 @@ std::string drive(int scans, double radius_m = 2.5) {
 
 /// The same drive in a frame of its own.
 Trajectory truth(int scans = kScans, double radius_m = 2.5) {
-  Trajectory way;
+  Trajectory trajectory;
   for (int k = 0; k < scans; ++k) {
     const double turn = 0.4 + 0.05 * k;
-    way.push_back({1.0 * k, compose({30.0, -5.0, 1.0}, {4.0 + radius_m * std::sin(turn),
-                                                        4.0 - radius_m * std::cos(turn), turn})});
+    trajectory.push_back({1.0 * k, compose({30.0, -5.0, 1.0}, {4.0 + radius_m * std::sin(turn),
+                                                               4.0 - radius_m * std::cos(turn), turn})});
   }
-  return way;
+  return trajectory;
 }
 
 class SlamProgram : public ProgramSuite {

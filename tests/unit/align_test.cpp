@@ -8,8 +8,8 @@
 namespace parloc {
 namespace {
 
-/// A bent way, a pose every half second.
-Trajectory way() {
+/// A bent path, a pose every half second.
+Trajectory bent_path() {
   Trajectory t;
   for (int k = 0; k < 60; ++k)
     t.push_back({0.5 * k, {0.2 * k, 3.0 * std::sin(0.1 * k), std::atan(1.5 * std::cos(0.1 * k))}});
@@ -25,7 +25,7 @@ double squares(const Trajectory& a, const Trajectory& b) {
 
 TEST(BestAlignment, UndoesARigidTransform) {
   for (const Pose& T : {Pose{0, 0, 0}, Pose{5, -70, 3.0}, Pose{-1e3, 2, -1.6}}) {
-    const auto found = best_alignment(transformed(T, way()), way());
+    const auto found = best_alignment(transformed(T, bent_path()), bent_path());
     ASSERT_TRUE(found);
     EXPECT_NEAR(found->x_m, T.x_m, 1e-9);  // 1e3 m have 1e-13 of themselves
     EXPECT_NEAR(found->y_m, T.y_m, 1e-9);
@@ -34,26 +34,26 @@ TEST(BestAlignment, UndoesARigidTransform) {
 }
 
 TEST(BestAlignment, NoOtherTransformFitsBetter) {
-  Trajectory estimate = way();
+  Trajectory estimate = bent_path();
   for (std::size_t k = 0; k < estimate.size(); ++k)  // bent, so that nothing fits exactly
     estimate[k].pose.x_m += 0.02 * static_cast<double>(k % 7), estimate[k].pose.y_m += 1e-4 * k * k;
-  const auto best = best_alignment(estimate, way());
+  const auto best = best_alignment(estimate, bent_path());
   ASSERT_TRUE(best);
-  const double least = squares(estimate, transformed(*best, way()));
+  const double least = squares(estimate, transformed(*best, bent_path()));
   EXPECT_GT(least, 0.01);
   constexpr double kStep = 1e-3;
   for (const Pose& d : {Pose{kStep, 0, 0}, Pose{-kStep, 0, 0}, Pose{0, kStep, 0}, Pose{0, -kStep, 0},
                         Pose{0, 0, kStep}, Pose{0, 0, -kStep}})
-    EXPECT_GT(squares(estimate, transformed(compose(*best, d), way())), least);
+    EXPECT_GT(squares(estimate, transformed(compose(*best, d), bent_path())), least);
 }
 
 TEST(BestAlignment, NeedsTwoPlaces) {
-  EXPECT_FALSE(best_alignment({}, way()));
-  Trajectory later = way();
+  EXPECT_FALSE(best_alignment({}, bent_path()));
+  Trajectory later = bent_path();
   for (StampedPose& p : later) p.stamp_s += 1000.0;  // no truth then
-  EXPECT_FALSE(best_alignment(later, way()));
-  EXPECT_FALSE(best_alignment({{1.0, {1, 2, 0}}}, way()));
-  EXPECT_FALSE(best_alignment({{1.0, {1, 2, 0}}, {2.0, {1, 2, 0.5}}}, way()));  // turned on the spot
+  EXPECT_FALSE(best_alignment(later, bent_path()));
+  EXPECT_FALSE(best_alignment({{1.0, {1, 2, 0}}}, bent_path()));
+  EXPECT_FALSE(best_alignment({{1.0, {1, 2, 0}}, {2.0, {1, 2, 0.5}}}, bent_path()));  // turned on the spot
 }
 
 }  // namespace

@@ -1,5 +1,5 @@
 // Least squares over poses: graphs whose answer is known.
-#include "common/slam/pose_graph.h"
+#include "common/slam/loops/pose_graph.h"
 
 #include <gtest/gtest.h>
 

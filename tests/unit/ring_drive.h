@@ -15,8 +15,8 @@
 
 namespace parloc::test {
 
-/// 2 m wide, of cells of 10 cm. Posts stand out from both walls where is_post says so, of the way along the
-/// middle of the corridor in cells.
+/// 2 m wide, of cells of 10 cm. Posts stand out from both walls where is_post says so, of the distance along
+/// the middle of the corridor in cells.
 class Ring {
  public:
   Ring(double radius_m, const std::function<bool(int along)>& is_post)
@@ -37,8 +37,8 @@ class Ring {
   }
   const GridMap& map() const { return map_; }
   /// On the middle of the corridor, counter-clockwise.
-  Pose at(double way_m) const {
-    const double angle = way_m / radius_m_;
+  Pose at(double along_m) const {
+    const double angle = along_m / radius_m_;
     const SinCos64 r = portable_sincos64(angle);
     return {middle_m_ + radius_m_ * r.cos, middle_m_ + radius_m_ * r.sin, wrap64(angle + kPi / 2)};
   }
@@ -57,11 +57,11 @@ struct RingDrive {
 
 /// Scans of 90 beams all around. `step_of(k, true step)` is what the odometry has of step k, `range_of` what
 /// the LiDAR has of a range below 7.9 m.
-inline RingDrive drive_along(const Ring& ring, double way_m, const std::function<Pose(int, Pose)>& step_of,
+inline RingDrive drive_along(const Ring& ring, double along_m, const std::function<Pose(int, Pose)>& step_of,
                              const std::function<double(double)>& range_of) {
   RingDrive out;
   Pose odometry;
-  for (int k = 0; RingDrive::kStep_m * k < way_m; ++k) {
+  for (int k = 0; RingDrive::kStep_m * k < along_m; ++k) {
     const Pose pose = ring.at(RingDrive::kStep_m * k);
     if (k > 0)
       odometry = compose(odometry, step_of(k, relative(pose, ring.at(RingDrive::kStep_m * (k - 1)))));

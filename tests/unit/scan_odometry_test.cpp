@@ -5,7 +5,9 @@
 
 #include "common/eval/metrics.h"
 #include "common/filter/scan_intake.h"
+#include "common/slam/grid_slam_config.h"
 #include "common/slam/scan_odometry.h"
+#include "common/slam/slam_backend.h"
 #include "tests/unit/instruction_sets.h"
 #include "tests/unit/simulated.h"
 
@@ -37,12 +39,14 @@ Trajectory truth_of_drive() {
 
 class Walker {
  public:
-  Walker() : odometry(SlamConfig{}) { scan_.max_beams = SlamConfig{}.max_beams; }
+  Walker() : odometry(make_cpu_scan_matcher({bind_matcher_rules(SlamConfig{}), 1, 0})) {
+    scan_.max_beams = GridSlamConfig{}.scan.max_beams;
+  }
 
   void walk(const LogRecord& r) {
     const std::size_t lidar = intake_.lidar_of(r.scan);
     const bool enough = intake_.take(r.scan, lidar, scan_, {}, {}, track_, SlamConfig{}.resolution, beams_);
-    way.push_back({r.stamp_s, odometry.step(r.stamp_s, beams_, lidar, enough)});
+    path.push_back({r.stamp_s, odometry.step(r.stamp_s, beams_, lidar, enough)});
   }
   void walk(const std::vector<LogRecord>& scans) {
     for (const LogRecord& r : scans) walk(r);
@@ -50,7 +54,7 @@ class Walker {
   const ScanOdometryCounts& counts() const { return odometry.state().counts; }
 
   ScanOdometry odometry;
-  Trajectory way;
+  Trajectory path;
 
  private:
   ScanConfig scan_;
@@ -59,12 +63,12 @@ class Walker {
   BeamTable beams_;
 };
 
-double end_error_m(const Trajectory& way) {
-  const Pose d = relative(way.back().pose, truth_of_drive().back().pose);
+double end_error_m(const Trajectory& path) {
+  const Pose d = relative(path.back().pose, truth_of_drive().back().pose);
   return std::sqrt(d.x_m * d.x_m + d.y_m * d.y_m);
 }
 
-bool same_way(const Trajectory& a, const Trajectory& b) {
+bool same_path(const Trajectory& a, const Trajectory& b) {
   if (a.size() != b.size()) return false;
   for (std::size_t k = 0; k < a.size(); ++k)
     if (a[k].pose.x_m != b[k].pose.x_m || a[k].pose.y_m != b[k].pose.y_m ||
@@ -73,25 +77,25 @@ bool same_way(const Trajectory& a, const Trajectory& b) {
   return true;
 }
 
-// Of 17 m: 2 % of the way, what wheels that are well calibrated give.
+// Of 17 m: 2 % of the path, what wheels that are well calibrated give.
 TEST(ScanOdometry, DriftsLittle) {
   Walker w;
   w.walk(drive());
   EXPECT_EQ(w.counts().scans, drive().size());
   EXPECT_EQ(w.counts().unfit, 0u);
-  EXPECT_LT(end_error_m(w.way), 0.34);
-  EXPECT_LT(compare_tracks(w.way, truth_of_drive()).heading_rmse_rad, 0.03);
+  EXPECT_LT(end_error_m(w.path), 0.34);
+  EXPECT_LT(compare_tracks(w.path, truth_of_drive()).heading_rmse_rad, 0.03);
 }
 
 TEST(ScanOdometry, TheSameBitsOnEveryInstructionSet) {
-  std::vector<Trajectory> ways;
+  std::vector<Trajectory> paths;
   for (const cpu::Simd set : test::instruction_sets()) {
     const test::SimdLimit limit(set);
     Walker w;
     w.walk(std::vector<LogRecord>(drive().begin(), drive().begin() + 60));
-    ways.push_back(w.way);
+    paths.push_back(w.path);
   }
-  for (const Trajectory& way : ways) EXPECT_TRUE(same_way(way, ways.front()));
+  for (const Trajectory& path : paths) EXPECT_TRUE(same_path(path, paths.front()));
 }
 
 // What a checkpoint needs.
@@ -102,9 +106,9 @@ TEST(ScanOdometry, GoesOnFromItsState) {
   first.walk(std::vector<LogRecord>(drive().begin(), drive().begin() + half));
   second.odometry.restore(first.odometry.state());
   second.walk(std::vector<LogRecord>(drive().begin() + half, drive().end()));
-  Trajectory both = first.way;
-  both.insert(both.end(), second.way.begin(), second.way.end());
-  EXPECT_TRUE(same_way(whole.way, both));
+  Trajectory both = first.path;
+  both.insert(both.end(), second.path.begin(), second.path.end());
+  EXPECT_TRUE(same_path(whole.path, both));
   EXPECT_EQ(whole.counts().scans, second.counts().scans);
 }
 
@@ -117,7 +121,7 @@ TEST(ScanOdometry, OddStampsDoNoHarm) {
     Walker w;
     w.walk(scans);
     EXPECT_EQ(w.counts().new_maps, 0u) << back_s;
-    EXPECT_LT(end_error_m(w.way), 0.34) << back_s;
+    EXPECT_LT(end_error_m(w.path), 0.34) << back_s;
   }
 }
 
@@ -125,7 +129,7 @@ TEST(ScanOdometry, OddStampsDoNoHarm) {
 TEST(ScanOdometry, SaysWhereNothingFits) {
   Walker w;
   w.walk(std::vector<LogRecord>(drive().begin(), drive().begin() + 30));
-  const Pose before = w.way.back().pose;
+  const Pose before = w.path.back().pose;
   for (int k = 0; k < 25; ++k) {
     LogRecord r = drive()[30];
     r.stamp_s += 0.1 * k;
@@ -135,7 +139,7 @@ TEST(ScanOdometry, SaysWhereNothingFits) {
   }
   EXPECT_EQ(w.counts().unfit, 10u);
   EXPECT_EQ(w.counts().new_maps, 1u);
-  const Pose moved = relative(w.way.back().pose, before);
+  const Pose moved = relative(w.path.back().pose, before);
   EXPECT_LT(std::sqrt(moved.x_m * moved.x_m + moved.y_m * moved.y_m), 2.0);
 }
 

@@ -8,9 +8,9 @@
 #include <utility>
 #include <vector>
 
-#include "common/slam/draw.h"
 #include "common/slam/gaussian_proposal.h"
-#include "common/slam/hill_climb.h"
+#include "common/slam/matching/draw.h"
+#include "common/slam/matching/hill_climb.h"
 #include "common/slam/path_tree.h"
 
 namespace parloc {
@@ -40,7 +40,7 @@ TEST(SlamCell, IsAWallFromATenthOfTheBeamsOn) {
 TEST(SlamCell, AgesBeforeAnyFieldRunsOver) {
   CellWord w = 0;
   for (int scan = 0; scan < 50; ++scan) {
-    for (std::size_t k = 0; k < kMostSlamBeams; ++k) w += ended_at(0.999f, 0.999f);
+    for (std::size_t k = 0; k < kMostDrawnBeams; ++k) w += ended_at(0.999f, 0.999f);
     EXPECT_EQ(visits_of(w), hits_of(w));  // a field that ran over would spoil the next one
     w = aged(w);
     EXPECT_LT(hits_of(w), kMostHits);
@@ -49,13 +49,13 @@ TEST(SlamCell, AgesBeforeAnyFieldRunsOver) {
   }
   CellWord passed = 0;
   for (int scan = 0; scan < 100; ++scan) {
-    for (std::size_t k = 0; k < kMostSlamBeams; ++k) passed += kPassed;
+    for (std::size_t k = 0; k < kMostDrawnBeams; ++k) passed += kPassed;
     EXPECT_EQ(hits_of(passed), 0u);
     passed = aged(passed);
   }
 }
 
-// ---- The way of a beam
+// ---- The cells that a beam passes
 // -------------------------------------------------------------------------------------
 
 /// Cells by many small steps in float64; those that a step may have jumped over at a corner are missing.
@@ -208,7 +208,7 @@ TEST(HillClimb, FindsTheTopOfASmoothHill) {
   EXPECT_LT(asked, 6 * HillClimb::kMostRounds);
 }
 
-TEST(HillClimb, IsHeldBackByTheSquareOfTheWay) {
+TEST(HillClimb, IsHeldBackByTheSquareOfTheDistance) {
   constexpr std::size_t kBeams = 1000;
   HillClimb climb;
   climb.begin({0, 0, 0}, {0.05f, 0.05f, 7, 2.0f}, kBeams);
@@ -292,10 +292,10 @@ TEST(GaussianProposal, EtaTimesTheVolumeIsThePredictiveLikelihood) {
   EXPECT_NEAR(m.covariance(0, 0), 1.0 / (1.0 / 0.0025 + 1.0 / 0.0036), 5e-5);
 }
 
-// ---- The ways of particles
+// ---- The paths of particles
 // ---------------------------------------------------------------------------------
 
-TEST(PathTree, EveryParticleKeepsItsWay) {
+TEST(PathTree, EveryParticleKeepsItsPath) {
   PathTree tree(3);
   tree.add({{0, 0, 0}, {1, 0, 0}, {2, 0, 0}}, {0, 0, 0});
   tree.add({{10, 0, 0}, {11, 0, 0}, {12, 0, 0}}, {2, 2, 0});

@@ -33,7 +33,7 @@ TEST(Wander, StaysClearOfWalls) {
     const WaypointPath path = area.wander(60.0, 0.5, 0.8, seed);
     const Drive drive = plan_drive(path);
     EXPECT_GE(drive.duration_s(), 60.0);
-    // The way between two nodes is looked at by cell: up to a cell may be lost.
+    // The path between two nodes is looked at by cell: up to a cell may be lost.
     for (double t = 0; t < drive.duration_s(); t += 0.5)
       EXPECT_GE(nearest_wall_m(map, pose_at(drive, t)), kClearance_m - map.resolution_m) << "seed " << seed;
   }

@@ -8,8 +8,7 @@
 #include "common/eval/simulator.h"
 #include "common/filter/bind.h"
 #include "common/slam/slam_backend.h"
-#include "cpu/draft_map.h"
-#include "cpu/match_scan.h"
+#include "cpu/draft_maps.h"
 #include "tests/stage/room_of_blocks.h"
 
 namespace parloc {
@@ -29,34 +28,39 @@ Scan scan_from(const GridMap& map, const Pose& pose) {
 
 class WideSearchIn : public testing::Test {
  protected:
-  WideSearchIn() : rules_(bind_propose_rules(config_)), draft_(bind_draw_rules(config_), rules_.match) {
-    for (int k = 0; k < 5; ++k)
-      draft_.draw(beams({0.8 + 0.1 * k, 1.5, 0.1 * k}), slam({0.8 + 0.1 * k, 1.5, 0.1 * k}));
+  WideSearchIn() : rules_(bind_matcher_rules(config_)), draft_(rules_, 1), matcher_(fresh_matcher()) {
+    std::vector<ScanDrawing> drawings;
+    for (int k = 0; k < 5; ++k) {
+      const Pose pose{0.8 + 0.1 * k, 1.5, 0.1 * k};
+      drawings.push_back({0, &table(pose), at(pose)});
+    }
+    draft_.draw(drawings);
+    matcher_->draw(drawings);
   }
+  std::unique_ptr<ScanMatcher> fresh_matcher() const { return make_cpu_scan_matcher({rules_, 1, 0}); }
   Pose at(const Pose& p) const { return compose(room_.T_map_grid, p); }
-  SlamPose slam(const Pose& p) const {
-    const Pose q = at(p);
-    return {static_cast<float>(q.x_m), static_cast<float>(q.y_m), static_cast<float>(q.theta_rad)};
-  }
-  Beams beams(const Pose& p) {
+  SlamPose slam(const Pose& p) const { return slam_pose(at(p)); }
+  const BeamTable& table(const Pose& p) {
     BeamCounts counts;
     tables_.push_back(std::make_unique<BeamTable>());
     select_beams(scan_from(room_, at(p)), ScanConfig{}, SensorConfig{}, config_.resolution, *tables_.back(),
                  counts);
-    return bind_beams(*tables_.back());
+    return *tables_.back();
   }
+  Beams beams(const Pose& p) { return bind_beams(table(p)); }
 
   GridMap room_ = test::room_of_blocks(test::rows_with_blocks_and_wall());
   SlamConfig config_;
-  ProposeRules rules_;
-  cpu::DraftMap draft_;
+  MatcherRules rules_;
+  cpu::DraftMaps draft_;
+  std::unique_ptr<ScanMatcher> matcher_;  ///< With the same map.
   std::vector<std::unique_ptr<BeamTable>> tables_;
 };
 
 // What makes the coarse level worth its while, and must hold for the answer to be the best one.
 TEST_F(WideSearchIn, BoundsNoPoseOfABlockScoresMore) {
   const Beams scan = beams({1.0, 1.6, 0.2});
-  const TileMap map = draft_.view();
+  const TileMap map = draft_.view(0);
   int tight = 0;
   for (int n = 0; n < 60; ++n) {
     const SlamPose low = slam({0.3 + 0.031 * n, 1.1 + 0.017 * n, 0.2 - 0.01 * (n % 7)});
@@ -75,8 +79,8 @@ TEST_F(WideSearchIn, BoundsNoPoseOfABlockScoresMore) {
 }
 
 TEST_F(WideSearchIn, FindsWhatAllPosesOneByOneGive) {
-  const SearchRules search = bind_search_rules(config_, 0.45, 0.15, 0.05);
-  const TileMap map = draft_.view();
+  const SearchRules search = bind_search_rules(config_.resolution, 0.45, 0.15, 0.05);
+  const TileMap map = draft_.view(0);
   for (int n = 0; n < 6; ++n) {
     const Beams scan = beams({1.0 + 0.05 * n, 1.6, 0.2});
     const SlamPose start = slam({1.0 + 0.05 * n + 0.3 - 0.1 * n, 1.6 - 0.25, 0.2 + 0.12});
@@ -116,26 +120,26 @@ TEST_F(WideSearchIn, FindsWhatAllPosesOneByOneGive) {
 // The climb alone ends on a lesser peak from there.
 TEST_F(WideSearchIn, FindsTheWayBackFromHalfAMetreAside) {
   const Pose truth{1.1, 1.6, 0.3};
-  const Beams scan = beams(truth);
-  const SlamPose start = slam({1.1 + 0.4, 1.6 - 0.4, 0.3 + 0.2}), goal = slam(truth);
-  const cpu::MatchScanRules wide{rules_.match, bind_search_rules(config_, 0.5, 0.3, 0.05), rules_.climb};
-  const cpu::MatchScanRules climb{rules_.match, {}, rules_.climb};
-  const cpu::ScanMatch found = cpu::match_scan(wide, draft_.view(), scan, start);
-  const cpu::ScanMatch climbed = cpu::match_scan(climb, draft_.view(), scan, start);
-  EXPECT_NEAR(found.pose.x, goal.x, 0.03);
-  EXPECT_NEAR(found.pose.y, goal.y, 0.03);
-  EXPECT_NEAR(found.pose.theta, goal.theta, 0.02);
+  const BeamTable& scan = table(truth);
+  const Pose start = at({1.1 + 0.4, 1.6 - 0.4, 0.3 + 0.2}), goal = at(truth);
+  const SearchRules search = bind_search_rules(config_.resolution, 0.5, 0.3, 0.05);
+  const std::vector<ScanMatch> matches =
+      matcher_->match({{0, &scan, start, rules_.climb, search}, {0, &scan, start, rules_.climb, {}}});
+  const ScanMatch &found = matches[0], &climbed = matches[1];
+  EXPECT_NEAR(found.pose.x_m, goal.x_m, 0.03);
+  EXPECT_NEAR(found.pose.y_m, goal.y_m, 0.03);
+  EXPECT_NEAR(found.pose.theta_rad, goal.theta_rad, 0.02);
   EXPECT_GT(found.fit, 0.7);
   EXPECT_LT(climbed.fit, 0.6);
 }
 
 // As much bias as there can be, for as many beams: nothing runs over, and the start is kept.
 TEST_F(WideSearchIn, ALargeBiasHoldsItAtItsStart) {
-  const SearchRules search = bind_search_rules(config_, 0.5, 0.3, 1.0);
+  const SearchRules search = bind_search_rules(config_.resolution, 0.5, 0.3, 1.0);
   WideSearch wide;
   const SlamPose start{1.0f, 2.0f, 0.5f};
-  wide.begin(start, search, kMostSlamBeams);
-  const std::int32_t all = static_cast<std::int32_t>(kMostSlamBeams) * 65536;
+  wide.begin(start, search, kMostDrawnBeams);
+  const std::int32_t all = static_cast<std::int32_t>(kMostDrawnBeams) * 65536;
   std::vector<std::int32_t> bound(WideSearch::kMostBlocks), sum(WideSearch::kBatch, all);
   for (int rounds = 0; !wide.done() && rounds < WideSearch::kMostRounds; ++rounds)
     wide.take(sum.data(), bound.data(), search);  // all poses fit alike
@@ -146,18 +150,17 @@ TEST_F(WideSearchIn, ALargeBiasHoldsItAtItsStart) {
 }
 
 TEST_F(WideSearchIn, StaysWhereNothingFits) {
-  const cpu::DraftMap nothing(bind_draw_rules(config_), rules_.match);
-  const cpu::MatchScanRules wide{rules_.match, bind_search_rules(config_, 0.5, 0.3, 0.05), rules_.climb};
-  const cpu::ScanMatch found =
-      cpu::match_scan(wide, nothing.view(), beams({1.0, 1.5, 0.0}), {5.0f, 6.0f, 0.7f});
-  EXPECT_EQ(found.pose.x, 5.0f);
-  EXPECT_EQ(found.pose.theta, 0.7f);
+  const SearchRules search = bind_search_rules(config_.resolution, 0.5, 0.3, 0.05);
+  const ScanMatch found =
+      fresh_matcher()->match({{0, &table({1.0, 1.5, 0.0}), {5.0, 6.0, 0.75}, rules_.climb, search}})[0];
+  EXPECT_EQ(found.pose.x_m, 5.0);
+  EXPECT_EQ(found.pose.theta_rad, 0.75);
   EXPECT_EQ(found.fit, 0.0f);
 }
 
 TEST(SearchRules, WindowsTooLargeAreRefused) {
-  EXPECT_NO_THROW(bind_search_rules(SlamConfig{}, 1.0, 0.4, 0.1));
-  EXPECT_THROW(bind_search_rules(SlamConfig{}, 5.0, 3.1, 0.1), Error);
+  EXPECT_NO_THROW(bind_search_rules(SlamConfig{}.resolution, 1.0, 0.4, 0.1));
+  EXPECT_THROW(bind_search_rules(SlamConfig{}.resolution, 5.0, 3.1, 0.1), Error);
 }
 
 }  // namespace

@@ -37,7 +37,7 @@ set(PARLOC_PUBLIC_HEADERS
   search/search_config.h
   slam/grid_slam.h
   slam/grid_slam_config.h
-  slam/loop_counts.h
+  slam/loops/loop_counts.h
   slam/scan_odometry_counts.h
   slam/slam_checkpoint.h
   slam/slam_config.h

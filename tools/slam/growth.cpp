@@ -39,10 +39,10 @@ std::vector<Particle> drawn_of(const std::vector<Pose>& poses) {
   return particles;
 }
 
-Trajectory thinned(const Trajectory& way, std::size_t most) {
-  if (way.size() <= most) return way;
+Trajectory thinned(const Trajectory& path, std::size_t most) {
+  if (path.size() <= most) return path;
   Trajectory out;
-  for (std::size_t k = 0; k < most; ++k) out.push_back(way[k * (way.size() - 1) / (most - 1)]);
+  for (std::size_t k = 0; k < most; ++k) out.push_back(path[k * (path.size() - 1) / (most - 1)]);
   return out;
 }
 
@@ -57,9 +57,9 @@ std::size_t resampled(const std::vector<SlamRecord>& records) {
       std::count_if(records.begin(), records.end(), [](const SlamRecord& r) { return r.resampled; }));
 }
 
-double length_m(const Trajectory& way) {
+double length_m(const Trajectory& path) {
   double sum_m = 0.0;
-  for (std::size_t k = 1; k < way.size(); ++k) sum_m += distance_m(way[k - 1].pose, way[k].pose);
+  for (std::size_t k = 1; k < path.size(); ++k) sum_m += distance_m(path[k - 1].pose, path[k].pose);
   return sum_m;
 }
 
@@ -71,14 +71,14 @@ std::array<std::size_t, 4> quarters(const std::vector<std::size_t>& by_scan) {
 
 Growth growth_of(const GridSlam& slam, std::size_t scans) {
   const std::vector<SlamRecord>& records = slam.records();
-  const Trajectory way = slam.trajectory_so_far();
+  const Trajectory path = slam.trajectory_so_far();
   Growth g;
-  g.state.stamp_s = way.back().stamp_s;
-  g.state.pose = way.back().pose;
+  g.state.stamp_s = path.back().stamp_s;
+  g.state.pose = path.back().pose;
   g.state.particles = drawn_of(slam.poses());
   g.map = shrunk(slam.map_so_far(), Growth::most_cells);
-  g.path = thinned(way, Growth::most_poses);
-  g.distance_m = length_m(way);
+  g.path = thinned(path, Growth::most_poses);
+  g.distance_m = length_m(path);
   g.scans = scans, g.taken_in = records.size(), g.resampled = resampled(records);
   g.particles = static_cast<std::size_t>(slam.config().slam.particles);
   g.n_eff = records.back().n_eff;

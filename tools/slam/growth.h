@@ -16,8 +16,8 @@ struct Growth {
                    ///< drawn.
   GridMap
       map;  ///< The most likely particle's; cells are merged when there are more than `most_cells` a side.
-  Trajectory path;          ///< Its way, at most `most_poses` of it, evenly.
-  double distance_m = 0.0;  ///< Along the whole way.
+  Trajectory path;          ///< Its path, at most `most_poses` of it, evenly.
+  double distance_m = 0.0;  ///< Along the whole path.
   std::size_t scans = 0, taken_in = 0, resampled = 0, particles = 0;
   double n_eff = 0.0;
   /// How many different poses the particles have behind them at 0, 25, 50 and 75 % of the scans taken in.
@@ -32,7 +32,7 @@ struct Growth {
 Growth growth_of(const GridSlam& slam, std::size_t scans);
 
 std::size_t resampled(const std::vector<SlamRecord>& records);
-double length_m(const Trajectory& way);
+double length_m(const Trajectory& path);
 /// At 0, 25, 50 and 75 % of a value by scan; zero of none.
 std::array<std::size_t, 4> quarters(const std::vector<std::size_t>& by_scan);
 

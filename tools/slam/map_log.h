@@ -37,8 +37,8 @@ struct MapRequest {
 struct Mapping {
   GridMap map;  ///< Of the most likely particle.
   Trajectory
-      trajectory;       ///< Its way: one row per scan, in file order. Origin: where the first scan was taken.
-  Trajectory odometry;  ///< Dead reckoning from there, or by the scans.
+      trajectory;  ///< Its path: one row per scan, in file order. Origin: where the first scan was taken.
+  Trajectory odometry;                ///< Dead reckoning from there, or by the scans.
   std::vector<SlamRecord> records;    ///< One per scan that was taken in.
   std::vector<std::size_t> distinct;  ///< Ancestors of the last particles, by such a scan.
   std::vector<double> step_s;         ///< Wall time of each of them.

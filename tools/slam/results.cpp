@@ -8,7 +8,7 @@
 #include <numbers>
 
 #include "common/eval/align.h"
-#include "common/slam/tiles.h"
+#include "common/slam/matching/tiles.h"
 #include "tools/report/config_facts.h"
 #include "tools/report/machine_json.h"
 #include "tools/report/statistics.h"
@@ -192,10 +192,10 @@ std::vector<StepRecord> steps_of(const Mapping& m) {
 }  // namespace
 
 void compare_with_truth(SlamResults& results, const Trajectory& truth) {
-  const Trajectory& way = results.mapping.trajectory;
-  if (const std::optional<Pose> T_map_truth = best_alignment(way, truth))
+  const Trajectory& trajectory = results.mapping.trajectory;
+  if (const std::optional<Pose> T_map_truth = best_alignment(trajectory, truth))
     results.truth = transformed(*T_map_truth, truth);
-  results.errors = compare_tracks(way, results.truth);
+  results.errors = compare_tracks(trajectory, results.truth);
 }
 
 std::string metrics_json(const SlamResults& results) {

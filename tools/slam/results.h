@@ -15,10 +15,10 @@ struct SlamResults {
   Mapping mapping;
   std::optional<RelationErrors> relations;
   std::optional<TrackErrors> errors;  ///< After alignment with the truth; nothing without one.
-  Trajectory truth;                   ///< In the map's frame, as far as it could be laid on the way.
+  Trajectory truth;                   ///< In the map's frame, as far as it could be laid on the trajectory.
 };
 
-/// Lays the truth on the way and compares: a map has no other frame than its own.
+/// Lays the truth on the trajectory and compares: a map has no other frame than its own.
 void compare_with_truth(SlamResults& results, const Trajectory& truth);
 
 std::string metrics_json(const SlamResults& results);

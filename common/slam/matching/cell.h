@@ -3,11 +3,11 @@
 // matter (SPEC 9.5).
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 
 #include "common/math/host_device.h"
 #include "common/math/portable.h"
-#include "common/slam/slam_config.h"
 
 namespace parloc {
 
@@ -17,7 +17,9 @@ using CellWord = std::uint64_t;
 
 constexpr int kHitShift = 16, kSumXShift = 28, kSumYShift = 46;
 constexpr std::uint32_t kPlacesPerCell = 128;
-/// Fields are halved from here on, and a scan adds at most kMostSlamBeams to each: none runs over.
+/// Beams of one scan.
+constexpr std::size_t kMostDrawnBeams = 1024;
+/// Fields are halved from here on, and a scan adds at most kMostDrawnBeams to each: none runs over.
 constexpr std::uint32_t kMostHits = 1024, kMostVisits = 32768;
 
 PARLOC_HD std::uint32_t visits_of(CellWord w) {

@@ -5,7 +5,7 @@
 #include <cstddef>
 #include <cstdint>
 
-#include "common/slam/cell.h"
+#include "common/slam/matching/cell.h"
 
 namespace parloc {
 
@@ -80,6 +80,15 @@ struct TileMap {
     if (in_i == kTileCells - 1) return (row >> 30) | ((tile(i + 1, j).occupied[in_j] & 1u) << 2);
     return (row >> (in_i - 1)) & 7u;
   }
+};
+
+/// Several maps, such as those of all particles, in the backend's memory.
+struct SlamMaps {
+  TileSpan span;
+  std::uint32_t* table = nullptr;  ///< [N][span.size()]
+  TilePool pool;
+
+  PARLOC_HD TileMap of(std::size_t particle) const { return {span, table + particle * span.size(), pool}; }
 };
 
 }  // namespace parloc

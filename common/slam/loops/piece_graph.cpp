@@ -1,18 +1,18 @@
-#include "cpu/piece_graph.h"
+#include "common/slam/loops/piece_graph.h"
 
 #include <algorithm>
 #include <limits>
 #include <optional>
 #include <queue>
 
-namespace parloc::cpu {
+namespace parloc {
 namespace {
 
-// How far off the way may be: so much, and a part of the way between by known loops. Scan matching drifts by
-// less than a hundredth; a robot that slips, or a corridor, by more.
-constexpr double kOff_m = 0.6, kOffByWay = 0.03, kMostOff_m = 4.0;
+// How far off the path may be: so much, and a part of the distance between by known loops. Scan matching
+// drifts by less than a hundredth; a robot that slips, or a corridor, by more.
+constexpr double kOff_m = 0.6, kOffByTravel = 0.03, kMostOff_m = 4.0;
 constexpr double kSeen_m = 1.5;        // pieces whose middles are so much farther apart show the same walls
-constexpr double kLoop_m = 0.5;        // what a loop adds to the way between
+constexpr double kLoop_m = 0.5;        // what a loop adds to the distance between
 constexpr std::size_t kMostTried = 4;  // of the earlier pieces by each later one, the nearest
 // Matches agree if the chain between them says so: so close, and half of it more for each piece between.
 constexpr double kAgree_m = 0.1, kAgree_rad = 0.03;
@@ -44,9 +44,9 @@ std::vector<Neighbour> nearest(std::vector<Neighbour> near, std::size_t most) {
   return out;
 }
 
-PieceGraph::PieceGraph(const SlamConfig& config, const std::vector<BeamTable>& scans, const ScanChain& chain,
-                       int threads, const std::function<void(double fraction)>& watch)
-    : chain_(chain), piece_(cut_in_pieces(chain)), matcher_(config, scans, chain, piece_), threads_(threads) {
+PieceGraph::PieceGraph(const std::vector<BeamTable>& scans, const ScanChain& chain, ScanMatcher& matcher,
+                       const std::function<void(double fraction)>& watch)
+    : chain_(chain), piece_(cut_in_pieces(chain)), matcher_(scans, chain, piece_, matcher) {
   for (std::size_t b = 0; b < piece_.size(); ++b) {
     add(b);
     if (watch) watch(static_cast<double>(b + 1) / static_cast<double>(piece_.size()));
@@ -63,12 +63,9 @@ void PieceGraph::add(std::size_t b) {
   edge_.push_back(
       {b - 1, b, step(b - 1, b), chain_covariance(chain_, piece_[b - 1].middle, piece_[b].middle), false});
   const std::vector<Neighbour> near = candidates(b);
-  std::vector<PieceMatcher::Found> found(near.size());
-#pragma omp parallel for schedule(dynamic, 1) num_threads(threads_)
-  for (std::size_t k = 0; k < near.size(); ++k) {
-    const std::size_t a = near[k].piece;
-    found[k] = matcher_.match(a, b, relative(pose_[b], pose_[a]), near[k].off_m);
-  }
+  std::vector<PieceMatcher::Window> windows;
+  for (const Neighbour& n : near) windows.push_back({n.piece, relative(pose_[b], pose_[n.piece]), n.off_m});
+  const std::vector<PieceMatcher::Found> found = matcher_.match(b, windows);
   const std::size_t before = match_.size();
   for (const PieceMatcher::Found& f : found)
     if (f.edge && !has_rival(f, found, near)) match_.push_back({*f.edge, false});
@@ -77,34 +74,34 @@ void PieceGraph::add(std::size_t b) {
   if (take_agreeing(before)) relax(pose_, edge_);
 }
 
-/// From piece b to each: the shortest way over the chain and the loops that are known (Dijkstra).
-std::vector<double> PieceGraph::ways_by_loops(std::size_t b) const {
+/// From piece b to each: the shortest path over the chain and the loops that are known (Dijkstra).
+std::vector<double> PieceGraph::distances_by_loops_m(std::size_t b) const {
   std::vector<std::vector<std::pair<std::size_t, double>>> next(b + 1);
   for (const PoseEdge& e : edge_) {
-    const double way_m = e.may_be_wrong ? kLoop_m : way_between_m(e.from, e.to);
-    next[e.from].push_back({e.to, way_m});
-    next[e.to].push_back({e.from, way_m});
+    const double travel_m = e.may_be_wrong ? kLoop_m : travel_between_m(e.from, e.to);
+    next[e.from].push_back({e.to, travel_m});
+    next[e.to].push_back({e.from, travel_m});
   }
-  std::vector<double> way_m(b + 1, std::numeric_limits<double>::infinity());
+  std::vector<double> travel_m(b + 1, std::numeric_limits<double>::infinity());
   using Reached = std::pair<double, std::size_t>;
   std::priority_queue<Reached, std::vector<Reached>, std::greater<>> front;
-  way_m[b] = 0.0;
+  travel_m[b] = 0.0;
   front.push({0.0, b});
   while (!front.empty()) {
     const auto [here_m, at] = front.top();
     front.pop();
-    if (here_m > way_m[at]) continue;
+    if (here_m > travel_m[at]) continue;
     for (const auto& [to, more_m] : next[at])
-      if (here_m + more_m < way_m[to]) front.push({way_m[to] = here_m + more_m, to});
+      if (here_m + more_m < travel_m[to]) front.push({travel_m[to] = here_m + more_m, to});
   }
-  return way_m;
+  return travel_m;
 }
 
 std::vector<Neighbour> PieceGraph::candidates(std::size_t b) const {
-  const std::vector<double> way_m = ways_by_loops(b);
+  const std::vector<double> travel_m = distances_by_loops_m(b);
   std::vector<Neighbour> near;
-  for (std::size_t a = 0; a < b && way_between_m(a, b) >= kLeastWay_m; ++a) {
-    const double off_m = std::min(kMostOff_m, kOff_m + kOffByWay * way_m[a]);
+  for (std::size_t a = 0; a < b && travel_between_m(a, b) >= kLeastTravel_m; ++a) {
+    const double off_m = std::min(kMostOff_m, kOff_m + kOffByTravel * travel_m[a]);
     const double apart_m = distance_m(pose_[a], pose_[b]);
     if (apart_m < off_m + kSeen_m) near.push_back({a, apart_m, off_m});
   }
@@ -118,7 +115,7 @@ bool PieceGraph::has_rival(const PieceMatcher::Found& match, const std::vector<P
   const std::size_t from = match.edge->from;
   for (std::size_t k = 0; k < all.size(); ++k) {
     if (near[k].piece == from || apart(near[k].piece, from) > kAgreeAcross) continue;
-    for (PieceMatcher::Fit other : all[k].places) {
+    for (ScanMatch other : all[k].places) {
       other.pose = compose(step(from, near[k].piece), other.pose);
       if (PieceMatcher::rivals(match.places[0], other)) return true;
     }
@@ -126,7 +123,7 @@ bool PieceGraph::has_rival(const PieceMatcher::Found& match, const std::vector<P
   return false;
 }
 
-/// Whether two matches of different pieces put them where the way between the pieces does.
+/// Whether two matches of different pieces put them where the path between the pieces does.
 bool PieceGraph::agree(const PoseEdge& p, const PoseEdge& q) const {
   if (p.to == q.to || apart(p.to, q.to) > kAgreeAcross) return false;
   const Pose q_from =
@@ -196,4 +193,4 @@ std::vector<Pose> PieceGraph::path() const {
   return path;
 }
 
-}  // namespace parloc::cpu
+}  // namespace parloc

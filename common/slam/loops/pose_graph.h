@@ -12,15 +12,15 @@ namespace parloc {
 
 struct PoseEdge {
   std::size_t from = 0, to = 0;
-  Pose step;                         ///< Of pose `to`, seen from pose `from` ...
-  Matrix3 covariance = identity3();  ///< ... and how sure of x, y [m] and heading [rad] that is.
+  Pose step;                         ///< Of pose `to`, seen from pose `from`.
+  Matrix3 covariance = identity3();  ///< How sure of x, y [m] and heading [rad] that is.
   bool may_be_wrong = false;  ///< Weighs less the worse it fits (Cauchy): loops, which may be closed wrongly.
 };
 
 struct PoseGraphRules {
   double kernel = 3.0;       ///< Standard deviations at which an edge that may be wrong weighs half.
-  int rounds = 20;           ///< At most ...
-  double least_step = 1e-4;  ///< ... until no pose moves by more [m, rad].
+  int rounds = 20;           ///< At most.
+  double least_step = 1e-4;  ///< It ends when no pose moves by more [m, rad].
 };
 
 /// How many standard deviations the poses are from what the edge says, squared.

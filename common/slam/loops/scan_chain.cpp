@@ -1,12 +1,8 @@
-#include "cpu/scan_chain.h"
+#include "common/slam/loops/scan_chain.h"
 
 #include <algorithm>
 
-#include "common/filter/bind.h"
-#include "cpu/draft_map.h"
-#include "cpu/match_scan.h"
-
-namespace parloc::cpu {
+namespace parloc {
 namespace {
 
 // The local map is begun anew from the last `kKept` scans when it has `kMost`, as in ScanOdometry.
@@ -16,8 +12,8 @@ constexpr double kStartsApart_m = 0.05;  // a cell: climbs from there may end el
 constexpr float kLeastFit = 0.35f;       // below it the scan does not fit, and the particle's step is kept
 constexpr double kReach_m = 0.4, kReach_rad = 0.3, kBias = 0.05;  // of the search where no climb fits well
 constexpr double kMostCells = 20.0;                               // of its reach
-constexpr float kLeastSearchFit = 0.5f;  // the wider the window, the more poses fit by chance ...
-constexpr float kSearchGain = 0.15f;     // ... and by so much it must fit better
+// The wider the window, the more poses fit by chance: so well, and so much better, must a searched one fit.
+constexpr float kLeastSearchFit = 0.5f, kSearchGain = 0.15f;
 
 // Of a piece: some scans, over which a chain is sure to some centimetres.
 constexpr double kPiece_m = 2.0;
@@ -28,63 +24,68 @@ constexpr std::size_t kMostInPiece = 40;  // where the robot turns on the spot
 constexpr double kStep_m = 0.02, kStep_rad = 0.005, kBadly = 3.0;
 constexpr float kBadFit = 0.5f;
 
-class Matcher {
+class Chainer {
  public:
-  Matcher(const SlamConfig& c, const std::vector<BeamTable>& scans)
-      : climb_{bind_propose_rules(c).match, {}, bind_propose_rules(c).climb},
-        search_{climb_.match,
-                bind_search_rules(c, std::min(kReach_m, kMostCells * c.resolution), kReach_rad, kBias),
-                climb_.climb},
+  Chainer(const std::vector<BeamTable>& scans, ScanMatcher& matcher)
+      : search_(bind_search_rules(matcher.rules().resolution_m,
+                                  std::min(kReach_m, kMostCells * matcher.rules().resolution_m), kReach_rad,
+                                  kBias)),
         scans_(scans),
-        map_(bind_draw_rules(c), climb_.match) {}
+        matcher_(matcher) {
+    matcher_.clear();
+  }
 
-  ScanMatch match(std::size_t k, const Pose& by_particle, const Pose& by_odometry) const {
-    const Beams beams = bind_beams(scans_[k]);
-    ScanMatch found = match_scan(climb_, map_.view(), beams, slam_pose(by_particle));
+  ScanMatch match(std::size_t k, const Pose& by_particle, const Pose& by_odometry) {
+    ScanMatch found = match_from(k, by_particle, {});
     if (found.fit < kGoodFit || distance_m(by_particle, by_odometry) > kStartsApart_m) {
-      const ScanMatch other = match_scan(climb_, map_.view(), beams, slam_pose(by_odometry));
+      const ScanMatch other = match_from(k, by_odometry, {});
       if (other.fit > found.fit) found = other;
     }
     if (found.fit >= kGoodFit) return found;
-    const ScanMatch searched = match_scan(search_, map_.view(), beams, slam_pose(by_particle));
+    const ScanMatch searched = match_from(k, by_particle, search_);
     return searched.fit > std::max(kLeastSearchFit, found.fit + kSearchGain) ? searched : found;
   }
   /// After scan k, whose pose is known now.
   void draw(const std::vector<Pose>& pose, std::size_t k) {
     const bool anew = k - first_ >= kMost;
-    if (anew) first_ = k - kKept, map_.clear();
-    for (std::size_t i = anew ? first_ : k; i <= k; ++i) map_.draw(bind_beams(scans_[i]), slam_pose(pose[i]));
+    if (anew) first_ = k - kKept, matcher_.clear();
+    std::vector<ScanDrawing> drawings;
+    for (std::size_t i = anew ? first_ : k; i <= k; ++i) drawings.push_back({0, &scans_[i], pose[i]});
+    matcher_.draw(drawings);
   }
 
  private:
-  MatchScanRules climb_, search_;
+  ScanMatch match_from(std::size_t k, const Pose& start, const SearchRules& search) {
+    return matcher_.match({{0, &scans_[k], start, matcher_.rules().climb, search}})[0];
+  }
+
+  SearchRules search_;
   const std::vector<BeamTable>& scans_;
-  DraftMap map_;
+  ScanMatcher& matcher_;
   std::size_t first_ = 0;
 };
 
 }  // namespace
 
-ScanChain chain_scans(const SlamConfig& config, const ScannedPath& way,
+ScanChain chain_scans(const ScannedPath& scanned, ScanMatcher& matcher,
                       const std::function<void(double fraction)>& watch) {
-  const std::size_t count = way.path.size();
-  ScanChain chain{{}, std::vector<float>(count, 1.0f), std::vector<double>(count, 0.0)};
-  Matcher matcher(config, way.scans);
-  for (std::size_t k = 0; k < count; ++k) {
+  const std::vector<Pose>&path = scanned.path, &odometry = scanned.odometry;
+  ScanChain chain{{}, std::vector<float>(path.size(), 1.0f), std::vector<double>(path.size(), 0.0)};
+  Chainer chainer(scanned.scans, matcher);
+  for (std::size_t k = 0; k < path.size(); ++k) {
     if (k == 0) {
-      chain.pose.push_back(way.path[0]);
+      chain.pose.push_back(path[0]);
     } else {
-      const Pose& last = chain.pose.back();
-      const Pose by_particle = compose(last, relative(way.path[k], way.path[k - 1]));
-      const Pose by_odometry = compose(last, relative(way.odometry[k], way.odometry[k - 1]));
-      const ScanMatch found = matcher.match(k, by_particle, by_odometry);
-      const Pose now = found.fit > kLeastFit ? pose_of(found.pose) : by_particle;
+      const Pose last = chain.pose.back();
+      const Pose by_particle = compose(last, relative(path[k], path[k - 1]));
+      const Pose by_odometry = compose(last, relative(odometry[k], odometry[k - 1]));
+      const ScanMatch found = chainer.match(k, by_particle, by_odometry);
+      chain.pose.push_back(found.fit > kLeastFit ? found.pose : by_particle);
       chain.fit[k] = found.fit;
-      chain.way_m[k] = chain.way_m[k - 1] + distance_m(last, now);
-      chain.pose.push_back(now);
+      chain.travelled_m[k] = chain.travelled_m[k - 1] + distance_m(last, chain.pose[k]);
     }
-    matcher.draw(chain.pose, k);
-    if (watch) watch(static_cast<double>(k + 1) / static_cast<double>(count));
+    chainer.draw(chain.pose, k);
+    if (watch) watch(static_cast<double>(k + 1) / static_cast<double>(path.size()));
   }
   return chain;
 }
@@ -94,12 +95,17 @@ std::vector<Piece> cut_in_pieces(const ScanChain& chain) {
   for (std::size_t begin = 0; begin < chain.pose.size();) {
     std::size_t end = begin + 1;
     while (end < chain.pose.size() && end - begin < kMostInPiece &&
-           chain.way_m[end] - chain.way_m[begin] < kPiece_m)
+           chain.travelled_m[end] - chain.travelled_m[begin] < kPiece_m)
       ++end;
     pieces.push_back({begin, end, (begin + end) / 2});
     begin = end;
   }
   return pieces;
+}
+
+Piece with_neighbours(const std::vector<Piece>& pieces, std::size_t piece) {
+  const std::size_t first = piece > 0 ? piece - 1 : piece, last = std::min(piece + 1, pieces.size() - 1);
+  return {pieces[first].begin, pieces[last].end, pieces[piece].middle};
 }
 
 Matrix3 chain_covariance(const ScanChain& chain, std::size_t from, std::size_t to) {
@@ -117,4 +123,4 @@ Matrix3 chain_covariance(const ScanChain& chain, std::size_t from, std::size_t t
   return sum;
 }
 
-}  // namespace parloc::cpu
+}  // namespace parloc

@@ -1,10 +1,35 @@
 // How a scan is written into a map: what each beam adds to the cells on its way (SPEC 9.5).
 #pragma once
 
-#include "common/slam/cell_walk.h"
-#include "common/slam/slam_stages.h"
+#include "common/slam/matching/cell_walk.h"
+#include "common/slam/matching/match_beam.h"
 
 namespace parloc {
+
+/// How a scan is written into a map.
+struct DrawRules {
+  float inv_resolution = 0;  ///< [cells/m]
+  float usable_cells = 0;    ///< Beams are cut here.
+};
+
+/// A beam on its way from the sensor: map frame, cells.
+struct DrawnBeam {
+  float u0, v0, u1, v1;
+  bool hit;  ///< It ends at (u1, v1); else it goes on.
+};
+PARLOC_HD DrawnBeam drawn_beam(const Beams& b, std::size_t m, const MatchPose& p, const DrawRules& r) {
+  const float ox = b.origin_x[m] * r.inv_resolution, oy = b.origin_y[m] * r.inv_resolution;
+  const float range = b.range_m[m] * r.inv_resolution;
+  const bool hit = range <= r.usable_cells;
+  const float reach = hit ? range : r.usable_cells;
+  const float ex = hit ? b.end_x[m] : fused(reach, b.direction_x[m], ox);
+  const float ey = hit ? b.end_y[m] : fused(reach, b.direction_y[m], oy);
+  DrawnBeam d;
+  d.u0 = fused(p.cos, ox, fused(-p.sin, oy, p.u)), d.v0 = fused(p.sin, ox, fused(p.cos, oy, p.v));
+  d.u1 = fused(p.cos, ex, fused(-p.sin, ey, p.u)), d.v1 = fused(p.sin, ex, fused(p.cos, ey, p.v));
+  d.hit = hit;
+  return d;
+}
 
 /// Calls visit(i, j, last) for each cell that a beam comes to.
 template <class Visit>

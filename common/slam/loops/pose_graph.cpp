@@ -1,4 +1,4 @@
-#include "common/slam/pose_graph.h"
+#include "common/slam/loops/pose_graph.h"
 
 // Eigen as a digest may use it, here and nowhere else (tests/system/structure_test.sh). Its vectors fuse
 // multiplications with additions where the instruction set can, whatever the compiler is told about

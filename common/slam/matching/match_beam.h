@@ -3,7 +3,7 @@
 #pragma once
 
 #include "common/filter/stages.h"
-#include "common/slam/tiles.h"
+#include "common/slam/matching/tiles.h"
 
 namespace parloc {
 
@@ -64,10 +64,10 @@ PARLOC_HD float match_end(const TileMap& map, const EndOfBeam& e) {
 /// What the sums over beams are made of. Fixed point, so that their order does not matter.
 constexpr float kScoreUnits = 65536.0f;
 struct MatchRules {
-  float inv_resolution = 0;   ///< [cells/m]
-  float usable_m = 0;         ///< Beams that end beyond are not matched.
-  float score_rate = 0;       ///< Cells^2 of the end points' distance to the exponent of the score.
-  float likelihood_rate = 0;  ///< ... to the logarithm of the likelihood [nat].
+  float inv_resolution = 0;  ///< [cells/m]
+  float usable_m = 0;        ///< Beams that end beyond are not matched.
+  /// From cells^2 of the end points' distance to the exponent of the score, and to the log-likelihood [nat].
+  float score_rate = 0, likelihood_rate = 0;
   std::int32_t no_match = 0;  ///< Log-likelihood of a beam without a match [nat kScoreUnits].
 };
 

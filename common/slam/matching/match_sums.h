@@ -1,7 +1,7 @@
 // What a search for a pose asks of the map: sums over the beams of a scan.
 #pragma once
 
-#include "common/slam/wide_search.h"
+#include "common/slam/matching/wide_search.h"
 
 namespace parloc {
 
@@ -11,7 +11,7 @@ enum class Ask {
   bound,       ///< No pose of a block of WideSearch has a higher score.
 };
 
-/// Over the beams first, first + step, ...
+/// Over every `step`-th beam from `first` on.
 PARLOC_HD std::int32_t sum_beams(const TileMap& map, const Beams& beams, const MatchPose& pose,
                                  const MatchRules& rules, Ask ask, std::size_t first, std::size_t step) {
   std::int32_t sum = 0;

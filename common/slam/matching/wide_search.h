@@ -3,7 +3,7 @@
 // bound beats the best pose so far are looked at pose by pose. Like HillClimb it asks for sums over beams.
 #pragma once
 
-#include "common/slam/match_beam.h"
+#include "common/slam/matching/match_beam.h"
 
 namespace parloc {
 

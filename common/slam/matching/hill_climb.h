@@ -3,7 +3,7 @@
 // the backend's affair.
 #pragma once
 
-#include "common/slam/match_beam.h"
+#include "common/slam/matching/match_beam.h"
 
 namespace parloc {
 
@@ -31,7 +31,7 @@ class HillClimb {
     started_ = false;
     back_ = kMoves;
   }
-  PARLOC_HD bool done() const { return halvings_ <= 0 || rounds_left_ <= 0; }
+  PARLOC_HD bool done() const { return started_ && (halvings_ <= 0 || rounds_left_ <= 0); }
   /// Poses that it asks for now.
   PARLOC_HD int wanted() const { return done() ? 0 : !started_ ? 1 : back_ < kMoves ? kMoves - 1 : kMoves; }
   PARLOC_HD SlamPose candidate(int k) const { return started_ ? after(move(k)) : best_; }

@@ -1,4 +1,4 @@
-// The pose graph over pieces of a way: which of them show the same place, and where they then are.
+// The pose graph over pieces of a path: which of them show the same place, and where they then are.
 #pragma once
 
 #include <algorithm>
@@ -9,15 +9,14 @@
 #include <utility>
 #include <vector>
 
-#include "common/slam/loop_counts.h"
-#include "common/slam/pose_graph.h"
-#include "cpu/match_piece.h"
-#include "cpu/scan_chain.h"
+#include "common/slam/loops/loop_counts.h"
+#include "common/slam/loops/match_pieces.h"
+#include "common/slam/loops/pose_graph.h"
 
-namespace parloc::cpu {
+namespace parloc {
 
 /// A loop: the robot has gone so far in between.
-constexpr double kLeastWay_m = 8.0;
+constexpr double kLeastTravel_m = 8.0;
 
 /// A piece that may show what another shows.
 struct Neighbour {
@@ -29,13 +28,13 @@ struct Neighbour {
 /// The nearest, no two next to each other: those show the same.
 std::vector<Neighbour> nearest(std::vector<Neighbour> near, std::size_t most);
 
-/// Pieces of the way, one after the other: each is looked for in what is around, and what is left over is
+/// Pieces of the path, one after the other: each is looked for in what is around, and what is left over is
 /// distributed before the next.
 class PieceGraph {
  public:
-  /// `scans` and `chain` must outlive it. `watch`, told how much of this is done, may be empty.
-  PieceGraph(const SlamConfig& config, const std::vector<BeamTable>& scans, const ScanChain& chain,
-             int threads, const std::function<void(double fraction)>& watch);
+  /// All must outlive it. `watch`, told how much of this is done, may be empty.
+  PieceGraph(const std::vector<BeamTable>& scans, const ScanChain& chain, ScanMatcher& matcher,
+             const std::function<void(double fraction)>& watch);
 
   const std::vector<Piece>& pieces() const { return piece_; }
   const LoopCounts& counts() const { return counts_; }
@@ -45,8 +44,8 @@ class PieceGraph {
   bool closed(std::size_t a, std::size_t b) const {
     return closed_.count({std::min(a, b), std::max(a, b)}) > 0;
   }
-  double way_between_m(std::size_t a, std::size_t b) const {
-    return std::fabs(chain_.way_m[piece_[b].middle] - chain_.way_m[piece_[a].middle]);
+  double travel_between_m(std::size_t a, std::size_t b) const {
+    return std::fabs(chain_.travelled_m[piece_[b].middle] - chain_.travelled_m[piece_[a].middle]);
   }
 
  private:
@@ -59,7 +58,7 @@ class PieceGraph {
     return relative(chain_.pose[piece_[to].middle], chain_.pose[piece_[from].middle]);
   }
   void add(std::size_t b);
-  std::vector<double> ways_by_loops(std::size_t b) const;
+  std::vector<double> distances_by_loops_m(std::size_t b) const;
   std::vector<Neighbour> candidates(std::size_t b) const;
   bool has_rival(const PieceMatcher::Found& match, const std::vector<PieceMatcher::Found>& all,
                  const std::vector<Neighbour>& near) const;
@@ -71,7 +70,6 @@ class PieceGraph {
   const ScanChain& chain_;
   std::vector<Piece> piece_;
   PieceMatcher matcher_;
-  int threads_;
   std::vector<Pose> pose_;  ///< Of the middles.
   std::vector<PoseEdge> edge_;
   std::vector<Match> match_;
@@ -79,4 +77,4 @@ class PieceGraph {
   LoopCounts counts_;
 };
 
-}  // namespace parloc::cpu
+}  // namespace parloc

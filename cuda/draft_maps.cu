@@ -1,0 +1,177 @@
+#include "cuda/draft_maps.h"
+
+#include <algorithm>
+
+namespace parloc::PARLOC_CUDA_NAMESPACE {
+namespace {
+
+struct ClearMarks {
+  std::uint8_t* touched;
+  std::size_t count;
+  PARLOC_HD void operator()(const Thread& me) const {
+    for (std::size_t k = me.first(); k < count; k += me.stride()) touched[k] = 0;
+  }
+};
+
+/// Some scans; a thread per scan and beam.
+struct BeamsOfScans {
+  const PlacedScan* placed;
+  std::size_t scans, most_hits;
+  DrawRules rules;
+  /// visit(scan, beam) for each.
+  template <class Visit>
+  PARLOC_HD void each(const Thread& me, const Visit& visit) const {
+    for (std::size_t k = me.first(); k < scans * most_hits; k += me.stride()) {
+      const PlacedScan& p = placed[k / most_hits];
+      if (k % most_hits < p.scan.hits) visit(p, drawn_beam(p.scan, k % most_hits, p.pose, rules));
+    }
+  }
+};
+
+/// The tiles that the scans come to.
+struct MarkScans {
+  BeamsOfScans beams;
+  TileSpan span;
+  std::uint8_t* touched;
+  PARLOC_HD void operator()(const Thread& me) const {
+    beams.each(me, [&](const PlacedScan& p, const DrawnBeam& b) {
+      walk_beam(b, MarkTile{span, touched + p.map * span.size()});
+    });
+  }
+};
+
+struct AtomicAdd {
+  PARLOC_HD void operator()(CellWord* at, CellWord more) const { atomic_add(at, more); }
+};
+
+struct DrawScans {
+  BeamsOfScans beams;
+  SlamMaps maps;
+  PARLOC_HD void operator()(const Thread& me) const {
+    beams.each(me, [&](const PlacedScan& p, const DrawnBeam& b) {
+      walk_beam(b, DrawCell<AtomicAdd>{&b, maps.of(p.map), {}});
+    });
+  }
+};
+
+/// After a scan of each of the maps: a thread per place of their tables and row. Tiles that some other scan
+/// touches are tidied with them, which changes nothing: cells that were tidied stay as they are.
+struct TidyTiles {
+  const PlacedScan* placed;
+  std::size_t scans;
+  SlamMaps maps;
+  const std::uint8_t* touched;
+  PARLOC_HD void operator()(const Thread& me) const {
+    const std::size_t size = maps.span.size();
+    for (std::size_t k = me.first(); k < scans * size * kTileCells; k += me.stride()) {
+      const std::size_t at = placed[k / kTileCells / size].map * size + k / kTileCells % size;
+      if (touched[at] != 0) tidy_row(maps.pool.at(maps.table[at]), static_cast<std::int32_t>(k % kTileCells));
+    }
+  }
+};
+
+/// By round the scans that are drawn side by side: the next one of each map.
+std::vector<std::vector<PlacedScan>> rounds_of(const std::vector<PlacedScan>& placed, std::size_t maps) {
+  std::vector<std::size_t> drawn(maps, 0);
+  std::vector<std::vector<PlacedScan>> rounds;
+  for (const PlacedScan& p : placed) {
+    const std::size_t round = drawn[p.map]++;
+    if (round == rounds.size()) rounds.emplace_back();
+    rounds[round].push_back(p);
+  }
+  return rounds;
+}
+
+}  // namespace
+
+DraftMaps::DraftMaps(const MatcherRules& rules, Stream stream)
+    : rules_(rules), stream_(stream), store_(stream) {
+  const std::vector<std::uint64_t> none(1, 0);
+  freed_.from_host(none, stream_);
+  synchronise(stream_);
+}
+
+void DraftMaps::clear() {
+  count_ = 0;
+  span_ = {};
+  used_ = 1;
+  const std::vector<std::uint32_t> references = count_references({}, store_.capacity());
+  copy_down(store_.refs(), references.data(), references.size() * sizeof(std::uint32_t), stream_);
+  synchronise(stream_);
+}
+
+void DraftMaps::cover(const std::vector<ScanDrawing>& drawings) {
+  const TileSpan span = span_with(span_, drawings, rules_.draw);
+  std::size_t count = count_;
+  for (const ScanDrawing& d : drawings) count = std::max(count, d.map + 1);
+  if (span.size() == span_.size() && count == count_) return;
+  std::vector<std::uint32_t> table =
+      moved_tables(table_.to_host(count_ * span_.size(), stream_), span_, span, count_);
+  table.resize(count * span.size(), kNoTile);
+  table_.from_host(table, stream_);
+  synchronise(stream_);
+  touched_.reserve(table.size());
+  room_.need.reserve(table.size());
+  scratch_.reserve(table.size());
+  span_ = span;
+  count_ = count;
+}
+
+/// A tile wherever one of the scans will write.
+void DraftMaps::make_tiles(std::size_t scans, std::size_t most_hits) {
+  const std::size_t places = count_ * span_.size();
+  launch(ClearMarks{touched_.data(), places}, blocks_for(places), stream_);
+  launch(MarkScans{{placed_.data(), scans, most_hits, rules_.draw}, span_, touched_.data()},
+         blocks_for(scans * most_hits), stream_);
+  count_new_tiles(touched_.data(), count_, maps(), store_.refs(), room_, scratch_, stream_);
+  std::uint64_t needed = 0;
+  copy_up(&needed, room_.need.data() + places - 1, sizeof needed, stream_);
+  synchronise(stream_);
+  store_.make_room(used_ + needed, stream_);
+  assign_tiles(needed, count_, maps(), store_, freed_.data(), room_, scratch_, stream_);
+  used_ += needed;
+}
+
+void DraftMaps::draw(const std::vector<ScanDrawing>& drawings) {
+  if (drawings.empty()) return;
+  cover(drawings);
+  std::vector<const BeamTable*> tables;
+  for (const ScanDrawing& d : drawings) tables.push_back(d.scan);
+  const std::vector<Beams> beams = scans_.upload(tables, stream_);
+  std::vector<PlacedScan> placed;
+  std::size_t most_hits = 0;
+  for (std::size_t k = 0; k < drawings.size(); ++k) {
+    placed.push_back({drawings[k].map, beams[k], match_pose(slam_pose(drawings[k].pose), rules_.match)});
+    most_hits = std::max(most_hits, beams[k].hits);
+  }
+  const auto rounds = rounds_of(placed, count_);
+  placed.clear();
+  for (const std::vector<PlacedScan>& round : rounds) placed.insert(placed.end(), round.begin(), round.end());
+  placed_.from_host(placed, stream_);
+  make_tiles(placed.size(), most_hits);
+  const PlacedScan* first = placed_.data();
+  for (const std::vector<PlacedScan>& round : rounds) {
+    launch(DrawScans{{first, round.size(), most_hits, rules_.draw}, maps()},
+           blocks_for(round.size() * most_hits), stream_);
+    launch(TidyTiles{first, round.size(), maps(), touched_.data()},
+           blocks_for(round.size() * span_.size() * kTileCells), stream_);
+    first += round.size();
+  }
+}
+
+TileMap DraftMaps::view(std::size_t map) const {
+  const bool drawn = map < count_;
+  return {drawn ? span_ : TileSpan{}, drawn ? table_.data() + map * span_.size() : nullptr, store_.pool()};
+}
+
+SlamCells DraftMaps::cells(std::size_t map) const {
+  std::vector<std::uint32_t> table(map < count_ ? span_.size() : 0);
+  const TileMap drawn = view(map);
+  if (!table.empty()) copy_up(table.data(), drawn.table, table.size() * sizeof(std::uint32_t), stream_);
+  synchronise(stream_);
+  return gather_cells(drawn.span, table.data(), [&](const std::vector<std::uint32_t>& ids, Tile* to) {
+    store_.read(ids, to, stream_);
+  });
+}
+
+}  // namespace parloc::PARLOC_CUDA_NAMESPACE

@@ -1,0 +1,111 @@
+#include <algorithm>
+
+#include "cuda/device.h"
+#include "cuda/draft_maps.h"
+#include "cuda/match_sum.h"
+
+namespace parloc {
+namespace PARLOC_CUDA_NAMESPACE {
+namespace {
+
+/// A block per task. Its first thread decides which poses are looked at next; warps take one each.
+struct MatchScans {
+  struct Shared {
+    unsigned char search[sizeof(ScanSearch)];
+    PoseSums sums;
+    std::int32_t bound[WideSearch::kMostBlocks];
+  };
+  MatchRules rules;
+  const MatchTask* task;
+  std::size_t tasks;
+  int most_rounds;
+  FoundPose* found;
+
+  PARLOC_HD int phases() const { return 2 + 2 * most_rounds; }
+  PARLOC_HD void operator()(const Thread& me, int phase, Shared& s) const {
+    if (me.block >= tasks) return;
+    const MatchTask& mine = task[me.block];
+    if (phase % 2 == 1) return s.sums.answer(me, mine.map, mine.scan, rules);
+    if (me.thread > 0 || (phase > 0 && s.sums.wanted == 0)) return;
+    ScanSearch& search = *reinterpret_cast<ScanSearch*>(s.search);
+    if (phase == 0) {
+      search = ScanSearch{};
+      search.begin(mine.start, mine);
+    } else {
+      search.take(s.sums.sums(), s.bound, mine);
+    }
+    s.sums.ask(search, mine, rules);
+    if (s.sums.wanted == 0) found[me.block] = found_pose(search, mine.beams);
+  }
+};
+
+class CudaScanMatcher final : public ScanMatcher {
+ public:
+  explicit CudaScanMatcher(const ScanMatcherConfig& config)
+      : ScanMatcher(config.rules),
+        device_(selected(config.device)),  // before anything is allocated
+        stream_(make_stream()),
+        maps_(std::make_unique<DraftMaps>(config.rules, stream_)) {}
+  ~CudaScanMatcher() override {
+    maps_.reset();
+    free_stream(stream_);
+  }
+  void clear() override {
+    select_device(device_);
+    maps_->clear();
+  }
+  void draw(const std::vector<ScanDrawing>& drawings) override {
+    select_device(device_);
+    maps_->draw(drawings);
+  }
+  std::vector<ScanMatch> match(const std::vector<ScanQuery>& queries) override {
+    select_device(device_);
+    std::vector<const BeamTable*> tables;
+    for (const ScanQuery& q : queries) tables.push_back(q.scan);
+    const std::vector<Beams> beams = scans_.upload(tables, stream_);
+    std::vector<MatchTask> tasks;
+    int most_rounds = 0;
+    for (std::size_t k = 0; k < queries.size(); ++k) {
+      tasks.push_back(bind_query(queries[k], maps_->view(queries[k].map), beams[k], rules()));
+      most_rounds = std::max(most_rounds, ScanSearch::most_rounds(queries[k].search));
+    }
+    task_.from_host(tasks, stream_);
+    found_.reserve(tasks.size());
+    if (!tasks.empty())
+      launch(MatchScans{rules().match, task_.data(), tasks.size(), most_rounds, found_.data()},
+             static_cast<unsigned>(tasks.size()), stream_);
+    std::vector<ScanMatch> matches;
+    for (const FoundPose& f : found_.to_host(tasks.size(), stream_)) matches.push_back(match_of(f));
+    return matches;
+  }
+  SlamCells cells(std::size_t map) override {
+    select_device(device_);
+    return maps_->cells(map);
+  }
+
+ private:
+  int device_;
+  Stream stream_;
+  std::unique_ptr<DraftMaps> maps_;
+  DeviceScans scans_;
+  DeviceBuffer<MatchTask> task_;
+  DeviceBuffer<FoundPose> found_;
+};
+
+}  // namespace
+
+#if !defined(__CUDACC__)
+std::unique_ptr<ScanMatcher> make_scan_matcher_on_host(const ScanMatcherConfig& config) {
+  return std::make_unique<CudaScanMatcher>(config);
+}
+#endif
+}  // namespace PARLOC_CUDA_NAMESPACE
+
+#if defined(__CUDACC__)
+std::unique_ptr<ScanMatcher> make_cuda_scan_matcher(const ScanMatcherConfig& config) {
+  (void)cuda::usable_device(config.device);
+  return std::make_unique<cuda::CudaScanMatcher>(config);
+}
+#endif
+
+}  // namespace parloc
