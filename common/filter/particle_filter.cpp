@@ -7,7 +7,7 @@
 
 #include "common/config/config.h"
 #include "common/error.h"
-#include "common/filter/backend.h"
+#include "common/filter/filter_backend.h"
 #include "common/filter/map_frame.h"
 #include "common/filter/run_digest.h"
 #include "common/filter/scan_intake.h"
@@ -55,7 +55,7 @@ struct ParticleFilter::State {
 
   FilterConfig config;
   GridMap map;
-  std::unique_ptr<Backend> backend;
+  std::unique_ptr<FilterBackend> backend;
   BeamTable beams;
   OdometryTrack track;
   ScanIntake intake;
@@ -162,10 +162,11 @@ ParticleFilter::ParticleFilter(const FilterConfig& config, const GridMap& map)
   check_has_free_cell(map);
   state_->map = map;
   std::string why;
-  state_->backend = make_backend(config.backend,
-                                 {config.most_particles(), config.threads, config.device, config.sensor,
-                                  config.resample, config.fewest_particles(), config.kld, config.recovery},
-                                 why);
+  state_->backend =
+      make_filter_backend(config.backend,
+                          {config.most_particles(), config.threads, config.device, config.sensor,
+                           config.resample, config.fewest_particles(), config.kld, config.recovery},
+                          why);
   state_->backend->set_map(map);
 }
 

@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "common/filter/backend.h"
+#include "common/filter/filter_backend.h"
 #include "common/slam/slam_stages.h"
 
 namespace parloc {
@@ -101,10 +101,11 @@ std::vector<std::uint32_t> first_free(const std::uint32_t* references, std::size
 SlamCells gather_cells(const TileSpan& span, const std::uint32_t* table,
                        const std::function<void(const std::vector<std::uint32_t>& ids, Tile* to)>& read);
 
-/// Defined in cpu/slam_backend.cpp and cuda/slam_backend.cu. Throw as make_cpu_backend and make_cuda_backend.
+/// Defined in cpu/engines.cpp and cuda/engines.cu. Throw as make_cpu_filter_backend and
+/// make_cuda_filter_backend.
 std::unique_ptr<SlamBackend> make_cpu_slam_backend(const SlamBackendConfig& config);
 std::unique_ptr<SlamBackend> make_cuda_slam_backend(const SlamBackendConfig& config);
-/// As make_backend.
+/// As make_filter_backend.
 std::unique_ptr<SlamBackend> make_slam_backend(BackendChoice choice, const SlamBackendConfig& config,
                                                std::string& why);
 
