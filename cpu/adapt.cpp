@@ -23,7 +23,8 @@ std::size_t enough_particles(const AdaptArgs& a, Workers& workers) {
 
 }  // namespace
 
-void adapt(const AdaptArgs& a, Workers& workers) {
+void FilterStages::adapt(const AdaptArgs& args, Queue& workers) {
+  const AdaptArgs a = with_input(args);
   const StrictFloat strict;
   const std::size_t count = a.state->resample != 0 ? enough_particles(a, workers) : a.from.count();
   *a.to.live = a.state->next_count = static_cast<std::uint32_t>(count);

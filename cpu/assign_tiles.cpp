@@ -4,19 +4,19 @@
 
 namespace parloc::cpu {
 
-void list_new_tiles(const std::uint8_t* touched, std::size_t particles, const SlamMaps& maps,
-                    TileStore& store, std::vector<NewTile>& fresh) {
-  const std::size_t count = particles * maps.span.size();
+void SlamStages::find_new_tiles(const SlamArgs& args, const TileStore& store, NewTiles& places, Queue&) {
+  const std::size_t count = args.particles.count() * args.maps.span.size();
+  std::vector<NewTile>& fresh = places.tiles;
   fresh.clear();
   for (std::size_t k = 0; k < count; ++k) {
-    if (touched[k] == 0) continue;
-    const std::uint32_t id = maps.table[k];
+    if (args.touched[k] == 0) continue;
+    const std::uint32_t id = args.maps.table[k];
     if (id == kNoTile || store.refs()[id] != 1) fresh.push_back({0, id, k});
   }
 }
 
-void assign_tiles(std::vector<NewTile>& fresh, const SlamMaps& maps, TileStore& store, Workers& workers) {
-  store.make_room(fresh.size());
+void SlamStages::assign_tiles(const SlamArgs& args, TileStore& store, NewTiles& places, Queue& workers) {
+  std::vector<NewTile>& fresh = places.tiles;
   std::uint32_t* refs = store.refs();
   std::uint32_t next = 1;
   std::size_t freed = 0;
@@ -26,11 +26,11 @@ void assign_tiles(std::vector<NewTile>& fresh, const SlamMaps& maps, TileStore& 
   }
   for (const NewTile& tile : fresh) {
     refs[tile.id] = 1;
-    maps.table[tile.place] = tile.id;
+    args.maps.table[tile.place] = tile.id;
   }
   for (const NewTile& tile : fresh)
     if (tile.from != kNoTile) freed += --refs[tile.from] == 0 ? 1 : 0;
-  store.set_used(store.used() + fresh.size() - freed);
+  store.change_used(fresh.size(), freed);
   const TilePool pool = store.pool();
   parallel_blocks(fresh.size(), workers.threads, 8, [&](std::size_t begin, std::size_t end) {
     for (std::size_t k = begin; k < end; ++k)

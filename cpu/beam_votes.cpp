@@ -78,7 +78,8 @@ void decide(const WeightArgs& a) {
 
 }  // namespace
 
-void beam_votes(const WeightArgs& a, Workers& workers) {
+void FilterStages::beam_votes(const WeightArgs& args, Queue& workers) {
+  const WeightArgs a = with_input(args);
   if (a.model == SensorModel::class_conditional)
     vote_on_classes(a, workers);
   else

@@ -3,13 +3,16 @@
 
 namespace parloc::cpu {
 
-void cloud_moments(const Cloud& cloud, double total, bool covariance, Moments& moments, Workers& workers) {
+void FlowStages::cloud_moments(const CloudMomentsArgs& args, Queue& workers) {
+  const Cloud cloud = args.cloud;
+  Moments& moments = args.state->cloud;
   const std::size_t count = cloud.particles.count();
+  const double total = static_cast<double>(args.weighed != nullptr ? args.weighed->total : count);
   const auto mean = block_sum<kCloudMeanSums>(
       count, workers, [=](std::size_t i) PARLOC_SIMD_LOOP { return cloud.mean_terms_of(i); });
   const StrictFloat strict;
   finish_mean(moments, mean.v, total, total);
-  if (!covariance) return;
+  if (!args.covariance) return;
   const Moments about = moments;
   const auto sums = block_sum<kCloudCovarianceSums>(
       count, workers, [=](std::size_t i) PARLOC_SIMD_LOOP { return cloud.covariance_terms_of(i, about); });

@@ -1,4 +1,4 @@
-#include "cpu/distance_field.h"
+#include "common/map/distance_field.h"
 
 #include <omp.h>
 
@@ -7,8 +7,8 @@
 #include <string>
 
 #include "common/error.h"
-#include "common/map/distance_field.h"
 #include "common/map/map_limits.h"
+#include "cpu/stages.h"
 
 namespace parloc::cpu {
 namespace {
@@ -28,27 +28,27 @@ void check(std::int32_t width, std::int32_t height, int threads) {
 
 }  // namespace
 
-std::vector<std::uint32_t> squared_distance_field(const std::uint8_t* is_source, std::int32_t width,
-                                                  std::int32_t height, int threads) {
+// Memory besides what is given: 12 bytes per column and thread.
+void FilterStages::squared_distance_field(const std::uint8_t* is_source, std::int32_t width,
+                                          std::int32_t height, std::uint32_t* field, Queue& workers) {
+  const int threads = workers.threads;
   check(width, height, threads);
   const std::int64_t stride = width;
-  std::vector<std::uint32_t> field(static_cast<std::size_t>(width) * static_cast<std::size_t>(height));
   const std::int32_t strips = (width + kStripColumns - 1) / kStripColumns;
 
 #pragma omp parallel for num_threads(threads) schedule(dynamic)
   for (std::int32_t s = 0; s < strips; ++s) {
     const std::int32_t first = s * kStripColumns;
     const std::int32_t columns = std::min(kStripColumns, width - first);
-    column_distances(is_source + first, field.data() + first, columns, height, stride);
+    column_distances(is_source + first, field + first, columns, height, stride);
   }
 
   std::vector<RowParabola> scratch(static_cast<std::size_t>(width) * static_cast<std::size_t>(threads));
 #pragma omp parallel for num_threads(threads) schedule(dynamic, 16)
   for (std::int32_t j = 0; j < height; ++j) {
-    row_squared_distances(field.data() + j * stride, width,
+    row_squared_distances(field + j * stride, width,
                           scratch.data() + static_cast<std::size_t>(omp_get_thread_num()) * stride);
   }
-  return field;
 }
 
 }  // namespace parloc::cpu

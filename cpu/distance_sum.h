@@ -21,19 +21,18 @@ struct PaddedScan {
   std::size_t full = 0;  ///< `hits`, rounded up.
   float kept = 0.0f;
 
-  void set(const BeamTable* t) {
-    hits = t != nullptr ? t->hits : 0;
+  void set(const BeamTable& t) {
+    hits = t.hits;
     full = (hits + kBeamLanes - 1) / kBeamLanes * kBeamLanes;
     kept = static_cast<float>(hits);
-    if (t == nullptr) return;
     const auto fill = [this](const std::vector<float>& from, float* to) {
       std::copy_n(from.begin(), hits, to);
       std::fill(to + hits, to + full, 0.0f);
     };
-    fill(t->end_x, end_x);
-    fill(t->end_y, end_y);
-    fill(t->direction_x, direction_x);
-    fill(t->direction_y, direction_y);
+    fill(t.end_x, end_x);
+    fill(t.end_y, end_y);
+    fill(t.direction_x, direction_x);
+    fill(t.direction_y, direction_y);
     std::fill_n(keep, hits, 1.0f);
     std::fill(keep + hits, keep + full, 0.0f);
   }

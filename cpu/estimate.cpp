@@ -74,9 +74,16 @@ std::uint32_t heaviest_cluster(const BinTable& t) {
 
 }  // namespace
 
-void estimate(const Particles& p, const Weights& weights, const BinTable& bins, StepState* state,
-              Workers& workers) {
-  const std::uint64_t* weight = weights.weight;
+void FilterStages::clear_bins(const BinTable& bins, Queue&) {
+  for (std::uint32_t slot = 0; slot < bins.capacity; ++slot) bin_clear(bins, slot);
+  *bins.used_count = 0;
+}
+
+void FilterStages::estimate(const EstimateArgs& args, Queue& workers) {
+  const Particles p = args.particles;
+  const BinTable bins = args.bins;
+  StepState* const state = args.state;
+  const std::uint64_t* weight = args.weights.weight;
   const std::size_t count = p.count();
   fill_bins(p, weight, bins, workers);
   const std::uint32_t best = heaviest_cluster(bins);

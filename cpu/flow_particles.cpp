@@ -4,13 +4,18 @@
 #include "cpu/flow_stages.h"
 
 namespace parloc::cpu {
-void flow_particles(const DistanceField& field, const FlowRules& rules, const PaddedScan& scan,
-                    const MotionStep& motion, RandomKey key, const FlowState& state, const Particles& p,
-                    Workers& workers) {
+
+void FlowStages::flow_particles(const FlowArgs& args, FlowRoom& room, Queue& workers) {
+  const DistanceField& field = args.field;
+  const FlowRules& rules = args.rules;
+  const FlowState& state = *args.state;
+  const Particles p = args.particles;
+  const RandomKey key = args.input->key;
+  const PaddedScan& scan = room.scan;
   const bool weighted = rules.method == FlowMethod::pfpf;
   const bool has_scan = scan.kept > 0.0f && state.skip == FlowSkip::none;
   if (!weighted && !has_scan) return;
-  const MotionNoise u = motion_noise(motion);
+  const MotionNoise u = motion_noise(args.input->motion);
   const auto loop = [&](std::size_t begin, std::size_t end) PARLOC_SIMD_LOOP {
     BeamNotes notes;
     for (std::size_t i = begin; i < end; ++i) {

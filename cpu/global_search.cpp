@@ -127,14 +127,9 @@ inline __attribute__((always_inline)) void search_block(const SearchTask& t, con
 class CpuSearch final : public SearchBackend {
  public:
   CpuSearch(const SearchMap& map, int threads)
-      : map_(map),
-        threads_(threads > 0 ? threads : omp_get_num_procs()),
-        champions_(map.free_blocks.size() * kTurnBins) {}
+      : map_(map), workers_(cpu::Workers::open(threads)), champions_(map.free_blocks.size() * kTurnBins) {}
 
-  std::string name() const override {
-    return std::string("cpu (") + cpu::simd_name(cpu::simd_level()) + ", " + std::to_string(threads_) +
-           (threads_ == 1 ? " thread)" : " threads)");
-  }
+  std::string name() const override { return workers_.name(); }
 
   void search(const SearchTask& asked, const SearchScan& scan,
               std::vector<std::uint64_t>& champions) override {
@@ -160,7 +155,7 @@ class CpuSearch final : public SearchBackend {
  private:
   void clear() {
     std::uint64_t* champion = champions_.data();
-    cpu::parallel_blocks(champions_.size(), champions_.size() < cpu::kSmallLoop ? 1 : threads_, 64,
+    cpu::parallel_blocks(champions_.size(), champions_.size() < cpu::kSmallLoop ? 1 : workers_.threads, 64,
                          [=](std::size_t begin, std::size_t end) PARLOC_SIMD_LOOP {
                            for (std::size_t c = begin; c < end; ++c) champion[c] = 0;
                          });
@@ -194,7 +189,7 @@ class CpuSearch final : public SearchBackend {
   template <class Work>
   void for_each_heading(std::int32_t count, const Work& work) const {
     std::atomic<std::int32_t> next{0};
-    cpu::parallel_blocks(static_cast<std::size_t>(threads_), threads_, 1,
+    cpu::parallel_blocks(static_cast<std::size_t>(workers_.threads), workers_.threads, 1,
                          [&](std::size_t, std::size_t) PARLOC_SIMD_LOOP {
                            Looks looks;
                            for (std::int32_t n; (n = next.fetch_add(1, std::memory_order_relaxed)) < count;)
@@ -203,7 +198,7 @@ class CpuSearch final : public SearchBackend {
   }
 
   const SearchMap& map_;
-  int threads_;
+  cpu::Workers workers_;
   std::vector<std::uint64_t> champions_;
   std::uint32_t best_ = 0;
 };

@@ -4,9 +4,10 @@
 
 namespace parloc::cpu {
 
-void inherit_tiles(const std::uint32_t* ancestor, std::size_t particles, const SlamMaps& maps,
-                   std::uint32_t* other, TileStore& store, Workers& workers) {
-  const std::size_t size = maps.span.size();
+void SlamStages::inherit_tiles(const SlamArgs& args, const std::uint32_t* ancestor, std::uint32_t* other,
+                               TileStore& store, Queue& workers) {
+  const SlamMaps& maps = args.maps;
+  const std::size_t particles = args.particles.count(), size = maps.span.size();
   parallel_blocks(particles, workers.threads, 1, [&](std::size_t begin, std::size_t end) {
     for (std::size_t j = begin; j < end; ++j)
       std::memcpy(other + j * size, maps.table + ancestor[j] * size, size * sizeof(std::uint32_t));
@@ -17,7 +18,7 @@ void inherit_tiles(const std::uint32_t* ancestor, std::size_t particles, const S
     if (other[k] != kNoTile) ++refs[other[k]];
   for (std::size_t k = 0; k < particles * size; ++k)
     if (maps.table[k] != kNoTile && --refs[maps.table[k]] == 0) ++freed;
-  store.set_used(store.used() - freed);
+  store.change_used(0, freed);
 }
 
 }  // namespace parloc::cpu

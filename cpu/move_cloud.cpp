@@ -2,8 +2,12 @@
 
 namespace parloc::cpu {
 
-void move_cloud(const Particles& p, const CloudMove& move, RandomKey key, Workers& workers) {
-  parallel_for(p.count(), workers.threads, [=](std::size_t begin, std::size_t end) PARLOC_SIMD_LOOP {
+void FlowStages::move_cloud(const FlowArgs& args, Queue& workers) {
+  if (args.state->skip != FlowSkip::none) return;
+  const Particles p = args.particles;
+  const CloudMove& move = *args.move;
+  const RandomKey key = args.input->key;
+  parallel_for(p.count(), workers.threads, [=, &move](std::size_t begin, std::size_t end) PARLOC_SIMD_LOOP {
     float* __restrict x = p.x;
     float* __restrict y = p.y;
     float* __restrict theta = p.theta;

@@ -32,7 +32,7 @@ float max_log_weight(const Particles& p, Workers& workers) {
 
 }  // namespace
 
-void normalise_scan(const NormaliseArgs& a, Workers& workers) {
+void FilterStages::normalise_scan(const NormaliseArgs& a, Queue& workers) {
   StepState& state = *a.state;
   const std::size_t count = a.particles.count();
   const int bits = weight_bits(a.particles.capacity);

@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <cstddef>
 #include <cstdint>
+#include <string>
 #include <vector>
 
 #if defined(__x86_64__)
@@ -24,6 +25,12 @@ struct Workers {
   std::vector<double> sums;
   std::vector<std::uint64_t> offsets;
 
+  /// `threads` 0: all cores.
+  static Workers open(int threads, int device = 0);
+  std::string name() const;
+  void use() const {}   ///< Of a device only.
+  void wait() const {}  ///< Stages are done when they return.
+
   /// Enough for every stage on so many particles.
   void reserve(std::size_t particles) {
     constexpr std::size_t kMostSums = 12;  // of an estimate, one row per block of 1024 and of 1024 of those
@@ -32,6 +39,9 @@ struct Workers {
     offsets.reserve(blocks);
   }
 };
+
+/// What the stages are given besides their arguments.
+using Queue = Workers;
 
 /// A loaded library may have set flush-to-zero or another rounding mode: strict arithmetic for this scope.
 class StrictFloat {

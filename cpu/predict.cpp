@@ -1,12 +1,11 @@
-#include "cpu/parallel.h"
 #include "cpu/stages.h"
 
 namespace parloc::cpu {
 
-void predict(const PredictArgs& args, Workers& workers) {
+void FilterStages::predict(const PredictArgs& args, Queue& workers) {
   const Particles p = args.particles;
-  const MotionStep motion = args.motion;
-  const RandomKey key = args.key;
+  const MotionStep motion = args.input->motion;
+  const RandomKey key = args.input->key;
   parallel_for(p.count(), workers.threads, [=](std::size_t begin, std::size_t end) PARLOC_SIMD_LOOP {
     float* __restrict x = p.x;
     float* __restrict y = p.y;

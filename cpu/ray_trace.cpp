@@ -123,7 +123,7 @@ class Tracer {
 
   const Fan fan_;
   float* expected_m_;
-  Queue &on_, &arrived_;
+  RayQueue &on_, &arrived_;
   WallSearch walls_;
 };
 
@@ -188,7 +188,8 @@ void trace_rest(const RayTraceArgs& args, const RayOrigin& origin, float* expect
   if (on.on.count > 0) HWY_DYNAMIC_DISPATCH(skip_rest)(args, origin, expected_m, on);
 }
 
-void ray_trace(const RayTraceArgs& args, Workers& workers) {
+void FilterStages::ray_trace(const RayTraceArgs& given, Queue& workers) {
+  const RayTraceArgs args = with_input(given);
   const std::size_t beams = args.beams.count;
   const auto loop = [&](std::size_t begin, std::size_t end) PARLOC_SIMD_LOOP {
     alignas(64) float row[kRangeRoom];

@@ -16,7 +16,7 @@ constexpr std::size_t kRangeRoom = kMaxBeams + 64;
 constexpr float kUnfinished_m = -1.0f;
 
 /// Rays side by side, each in some cell.
-struct Queue {
+struct RayQueue {
   alignas(64) std::int32_t beam[kRangeRoom];
   alignas(64) float line[kRangeRoom];
   alignas(64) float other_cell[kRangeRoom];
@@ -41,7 +41,7 @@ struct WallLook {
 /// Rays that are still on their way after their first leaps, and those of them that have come to a cell with
 /// walls to look at.
 struct Travellers {
-  Queue on, arrived;
+  RayQueue on, arrived;
   WallLook look;
 };
 

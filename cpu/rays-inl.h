@@ -166,7 +166,7 @@ HWY_INLINE VF range_of(const RayMap& map, const Rays& r, VF reach, VF range_max)
 }
 
 /// Appends the lanes of `which` to the queue.
-HWY_INLINE void keep(const Rays& r, MF which, VI beams, Queue& queue) {
+HWY_INLINE void keep(const Rays& r, MF which, VI beams, RayQueue& queue) {
   // Not CompressStore: compressing into memory is microcoded on some CPUs.
   hn::StoreU(hn::Compress(r.line, which), f32, queue.line + queue.count);
   hn::StoreU(hn::Compress(r.other_cell, which), f32, queue.other_cell + queue.count);
@@ -207,7 +207,7 @@ struct Fan {
 
   /// Rays [at, count) of the queue, as many as there are lanes. Unused lanes are not alive; they write behind
   /// the last range.
-  HWY_INLINE Rays resumed(const Queue& queue, std::size_t at, std::size_t count, VI& beams) const {
+  HWY_INLINE Rays resumed(const RayQueue& queue, std::size_t at, std::size_t count, VI& beams) const {
     const MF used = hn::FirstN(f32, count - at);
     const auto used_i = hn::RebindMask(i32, used);
     const VI beam = hn::IfThenElseZero(used_i, hn::Load(i32, queue.beam + at));

@@ -3,25 +3,25 @@
 
 namespace parloc::cpu {
 
-void register_scan(const DrawRules& rules, const MatchRules& match, const Beams& beams, const SlamMaps& maps,
-                   const Particles& p, const std::uint8_t* touched, Workers& workers) {
-  const std::size_t size = maps.span.size();
+void SlamStages::register_scan(const SlamArgs& args, Queue& workers) {
+  const Beams& beams = args.beams;
+  const std::size_t size = args.maps.span.size();
   const auto loop = [&](std::size_t begin, std::size_t end) PARLOC_SIMD_LOOP {
     for (std::size_t i = begin; i < end; ++i) {
-      const TileMap map = maps.of(i);
-      const MatchPose pose = match_pose(slam_pose(p, i), match);
+      const TileMap map = args.maps.of(i);
+      const MatchPose pose = match_pose(slam_pose(args.particles, i), args.rules.match);
       for (std::size_t m = 0; m < beams.hits; ++m) {
-        const DrawnBeam b = drawn_beam(beams, m, pose, rules);
+        const DrawnBeam b = drawn_beam(beams, m, pose, args.draw);
         walk_beam(b, DrawCell<PlainAdd>{&b, map, {}});
       }
       for (std::size_t k = 0; k < size; ++k) {
-        if (touched[i * size + k] == 0) continue;
+        if (args.touched[i * size + k] == 0) continue;
         Tile& tile = map.pool.at(map.table[k]);
         for (std::int32_t j = 0; j < kTileCells; ++j) tidy_row(tile, j);
       }
     }
   };
-  parallel_blocks(p.count(), workers.threads, 1, loop);
+  parallel_blocks(args.particles.count(), workers.threads, 1, loop);
 }
 
 }  // namespace parloc::cpu

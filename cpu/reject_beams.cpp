@@ -12,13 +12,14 @@ float median(float* values, std::size_t count) {
 
 }  // namespace
 
-void reject_beams(const DistanceField& field, const FlowRules& rules, const FlowState& state,
-                  PaddedScan& scan, BeamNotes& notes) {
-  if (!(rules.z_score > 0.0) || scan.hits == 0) return;
+void FlowStages::reject_beams(const FlowArgs& args, FlowRoom& room, Queue&) {
+  PaddedScan& scan = room.scan;
+  if (scan.hits == 0) return;
   const StrictFloat strict;
-  const ScanPose pose = scan_pose(state.prior.mean, field);
-  float* distance = notes.right;  // both are free until the scan is summed
-  float* sorted = notes.up;
+  const DistanceField& field = args.field;
+  const ScanPose pose = scan_pose(args.state->prior.mean, field);
+  float* distance = room.notes.right;  // both are free until the scan is summed
+  float* sorted = room.notes.up;
   for (std::size_t m = 0; m < scan.hits; ++m)
     distance[m] = look_up(field, pose, beam_arm(pose, scan.end_x[m], scan.end_y[m])).distance;
   std::copy_n(distance, scan.hits, sorted);
@@ -27,7 +28,7 @@ void reject_beams(const DistanceField& field, const FlowRules& rules, const Flow
   const float deviation = median(sorted, scan.hits);
   scan.kept = 0.0f;
   for (std::size_t m = 0; m < scan.hits; ++m) {
-    scan.keep[m] = is_usual(distance[m], middle, deviation, rules.z_score) ? 1.0f : 0.0f;
+    scan.keep[m] = is_usual(distance[m], middle, deviation, args.rules.z_score) ? 1.0f : 0.0f;
     scan.kept += scan.keep[m];
   }
 }

@@ -73,7 +73,8 @@ bool in_order(const ResampleArgs& a) {
 
 }  // namespace
 
-void resample(const ResampleArgs& a, Workers& workers) {
+void FilterStages::resample(const ResampleArgs& args, Queue& workers) {
+  const ResampleArgs a = with_input(args);
   if (a.state->resample != 0 && a.scheme == ResampleScheme::residual) residual_sums(a, workers);
   const bool ordered = in_order(a);
   const bool injecting = a.state->resample != 0 && a.state->inject > 0.0;

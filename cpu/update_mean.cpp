@@ -6,34 +6,40 @@ namespace parloc::cpu {
 namespace {
 
 template <class Update, class Terms>
-PARLOC_HD void run_update(const DistanceField& field, const FlowRules& rules, const PaddedScan& scan,
-                          const Terms& terms, FlowState& state, CloudMove& move, BeamNotes& notes) {
+PARLOC_HD void run_update(const FlowArgs& args, FlowRoom& room, const Terms& terms) {
+  const DistanceField& field = args.field;
+  const FlowRules& rules = args.rules;
+  const PaddedScan& scan = room.scan;
+  FlowState& state = *args.state;
   Update update;
   update.begin(state, rules);
   while (scan.kept > 0.0f && !update.done()) {
     const ScanPose pose = scan_pose(update.at(), field);
-    const auto sum = sum_beams(field, scan, pose, terms, notes);
+    const auto sum = sum_beams(field, scan, pose, terms, room.notes);
     update.take(sum, static_cast<double>(scan.kept), field, rules, state);
   }
-  update.end(state, move);
+  update.end(state, *args.move);
 }
 
 }  // namespace
 
-void predict_mean(const FlowRules& rules, const MotionStep& motion, FlowState& state) {
+void FlowStages::predict_mean(const FlowArgs& args, Queue&) {
   const StrictFloat strict;
-  predict_state(state, rules, motion_noise(motion));
+  predict_state(*args.state, args.rules, motion_noise(args.input->motion));
 }
 
-void update_mean(const DistanceField& field, const FlowRules& rules, const PaddedScan& scan, FlowState& state,
-                 CloudMove& move, BeamNotes& notes) {
+void FlowStages::update_mean(const FlowArgs& args, FlowRoom& room, Queue&) {
   const StrictFloat strict;
   run_simd([&]() PARLOC_SIMD_LOOP {
-    if (rules.method == FlowMethod::ekf_beams)
-      run_update<BeamsUpdate>(field, rules, scan, rules.information, state, move, notes);
+    if (args.rules.method == FlowMethod::ekf_beams)
+      run_update<BeamsUpdate>(args, room, args.rules.information);
     else
-      run_update<MeanUpdate>(field, rules, scan, MeanTerms{}, state, move, notes);
+      run_update<MeanUpdate>(args, room, MeanTerms{});
   });
+}
+
+void FlowStages::finish_update(const FlowArgs& args, Queue&) {
+  finish_state(*args.state, args.rules);
 }
 
 }  // namespace parloc::cpu

@@ -136,7 +136,7 @@ class WallSearch {
 
   const Fan& fan_;
   float* expected_m_;
-  Queue &on_, &arrived_;
+  RayQueue &on_, &arrived_;
   WallLook& look_;
 };
 

@@ -147,7 +147,8 @@ void weight_by_field(const WeightArgs& a, Workers& workers) {
 
 }  // namespace
 
-void weight(const WeightArgs& a, Workers& workers) {
+void FilterStages::weight(const WeightArgs& args, Queue& workers) {
+  const WeightArgs a = with_input(args);
   if (casts_rays(a.model))
     return with_ray_model(a.models, a.model, [&](const auto& model) { weight_by_rays(a, model, workers); });
   weight_by_field(a, workers);

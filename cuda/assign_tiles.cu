@@ -74,28 +74,34 @@ struct CopyTiles {
 
 }  // namespace
 
-void count_new_tiles(const std::uint8_t* touched, std::size_t particles, const SlamMaps& maps,
-                     const std::uint32_t* refs, AssignRoom& room, Scratch& scratch, Stream stream) {
-  const std::size_t count = particles * maps.span.size();
-  launch(FlagNeeds{touched, maps.table, refs, room.need.data(), count}, blocks_for(count), stream);
-  inclusive_scan(room.need.data(), room.need.data(), count, scratch, stream);
+void SlamStages::find_new_tiles(const SlamArgs& args, const TileStore& store, NewTiles& places,
+                                Queue& queue) {
+  const std::size_t count = args.particles.capacity * args.maps.span.size();
+  std::uint64_t* const need = places.need.data();
+  launch(FlagNeeds{args.touched, args.maps.table, store.refs(), need, count}, blocks_for(count), queue);
+  inclusive_scan(need, need, count, queue);
+  copy_up(places.needed.data(), need + count - 1, sizeof *need, queue);
 }
 
-void assign_tiles(std::size_t needed, std::size_t particles, const SlamMaps& maps, TileStore& store,
-                  std::uint64_t* freed, AssignRoom& room, Scratch& scratch, Stream stream) {
+void SlamStages::assign_tiles(const SlamArgs& args, TileStore& store, NewTiles& places, Queue& queue) {
+  const std::size_t needed = places.count(), tiles = store.capacity();
+  const std::size_t count = args.particles.capacity * args.maps.span.size();
   if (needed == 0) return;
-  const std::size_t tiles = store.capacity(), count = particles * maps.span.size();
-  room.free.reserve(tiles);
-  room.ids.reserve(needed);
-  room.fresh.reserve(needed);
-  scratch.reserve(tiles);
-  launch(FlagFree{store.refs(), room.free.data(), tiles}, blocks_for(tiles), stream);
-  inclusive_scan(room.free.data(), room.free.data(), tiles, scratch, stream);
-  launch(ListFree{room.free.data(), room.ids.data(), tiles, needed}, blocks_for(tiles), stream);
-  launch(AssignTiles{room.need.data(), room.ids.data(), maps.table, store.refs(), freed, room.fresh.data(),
-                     count},
-         blocks_for(count), stream);
-  launch(CopyTiles{room.fresh.data(), store.pool(), needed}, blocks_for(needed * (sizeof(Tile) / 8)), stream);
+  places.free.reserve(tiles);
+  places.ids.reserve(needed);
+  places.fresh.reserve(needed);
+  queue.reserve(tiles);
+  std::uint64_t* const free = places.free.data();
+  std::uint32_t* const ids = places.ids.data();
+  launch(FlagFree{store.refs(), free, tiles}, blocks_for(tiles), queue);
+  inclusive_scan(free, free, tiles, queue);
+  launch(ListFree{free, ids, tiles, needed}, blocks_for(tiles), queue);
+  launch(AssignTiles{places.need.data(), ids, args.maps.table, store.refs(), store.freed(),
+                     places.fresh.data(), count},
+         blocks_for(count), queue);
+  launch(CopyTiles{places.fresh.data(), store.pool(), needed}, blocks_for(needed * (sizeof(Tile) / 8)),
+         queue);
+  store.note_taken(needed);
 }
 
 }  // namespace parloc::PARLOC_CUDA_NAMESPACE

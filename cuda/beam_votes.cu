@@ -10,11 +10,10 @@ namespace {
 /// A thread asks a few voters about one hit, and adds up what they say in one go.
 struct Vote {
   WeightArgs args;
-  const StepInput* input;
   std::size_t voters_per_thread;
 
   PARLOC_HD void operator()(const Thread& me) const {
-    const WeightArgs a = with_scan(args, *input);
+    const WeightArgs a = with_input(args);
     const std::size_t hits = a.rays.beams.hits;
     const std::size_t groups = (voters(a) + voters_per_thread - 1) / voters_per_thread;
     for (std::size_t work = me.first(); work < groups * hits; work += me.stride()) {
@@ -65,12 +64,11 @@ struct Decide {  // one block: shares from votes; leaves the votes zero
   };
   static constexpr int kPhases = 3;
   WeightArgs args;
-  const StepInput* input;
 
   PARLOC_HD void operator()(const Thread& me, int phase, Shared& shared) const {
     if (phase == 0 && me.thread == 0) shared.skipped = 0;
     if (phase == 0) return;
-    const WeightArgs a = with_scan(args, *input);
+    const WeightArgs a = with_input(args);
     if (phase == 2 && !skips_nothing(a, shared.skipped)) return;
     for (std::size_t m = me.thread; m < a.rays.beams.count; m += kThreads) {
       const float share = phase == 1 ? share_of_votes(a, m) : 1.0f;
@@ -83,13 +81,13 @@ struct Decide {  // one block: shares from votes; leaves the votes zero
 
 }  // namespace
 
-void beam_votes(const WeightArgs& args, const StepInput* input, Stream stream) {
+void FilterStages::beam_votes(const WeightArgs& args, Queue& queue) {
   constexpr std::size_t kUsualBeams = 128;  // more or fewer only change how often a thread comes round
   const std::size_t per_thread = args.model == SensorModel::class_conditional ? 1 : 64;
   const std::size_t most = voters_of(args.model, args.rays.particles.capacity);
   const std::size_t groups = (most + per_thread - 1) / per_thread;
-  launch(Vote{args, input, per_thread}, blocks_for(groups * kUsualBeams), stream);
-  launch(Decide{args, input}, 1, stream);
+  launch(Vote{args, per_thread}, blocks_for(groups * kUsualBeams), queue);
+  launch(Decide{args}, 1, queue);
 }
 
 }  // namespace parloc::PARLOC_CUDA_NAMESPACE

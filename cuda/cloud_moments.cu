@@ -18,33 +18,31 @@ struct CovarianceTerm {
 };
 
 struct FinishMoments {
-  Cloud cloud;
-  const StepState* weights;
+  CloudMomentsArgs args;
   const double* sums;
   bool covariance;
-  FlowState* state;
   PARLOC_HD void operator()(const Thread& me) const {
     if (me.first() != 0) return;
-    const double total = weights != nullptr ? static_cast<double>(weights->total)
-                                            : static_cast<double>(cloud.particles.count());
+    const double total = args.weighed != nullptr ? static_cast<double>(args.weighed->total)
+                                                 : static_cast<double>(args.cloud.particles.count());
     if (covariance)
-      finish_covariance(state->cloud, sums, total);
+      finish_covariance(args.state->cloud, sums, total);
     else
-      finish_mean(state->cloud, sums, total, total);
+      finish_mean(args.state->cloud, sums, total, total);
   }
 };
 
 }  // namespace
 
-void cloud_moments(const Cloud& cloud, const StepState* weights, bool covariance, FlowState* state,
-                   Scratch& scratch, Stream stream) {
-  double* room = scratch.sums.data();
+void FlowStages::cloud_moments(const CloudMomentsArgs& args, Queue& queue) {
+  double* room = queue.scratch.sums.data();
+  const Cloud& cloud = args.cloud;
   const Particles& p = cloud.particles;
-  const double* mean = block_sum<kCloudMeanSums>(p, MeanTerm{cloud}, room, stream);
-  launch(FinishMoments{cloud, weights, mean, false, state}, 1, stream);
-  if (!covariance) return;
-  const double* sums = block_sum<kCloudCovarianceSums>(p, CovarianceTerm{cloud, state}, room, stream);
-  launch(FinishMoments{cloud, weights, sums, true, state}, 1, stream);
+  const double* mean = block_sum<kCloudMeanSums>(p, MeanTerm{cloud}, room, queue);
+  launch(FinishMoments{args, mean, false}, 1, queue);
+  if (!args.covariance) return;
+  const double* sums = block_sum<kCloudCovarianceSums>(p, CovarianceTerm{cloud, args.state}, room, queue);
+  launch(FinishMoments{args, sums, true}, 1, queue);
 }
 
 }  // namespace parloc::PARLOC_CUDA_NAMESPACE

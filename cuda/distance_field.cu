@@ -1,7 +1,6 @@
-#include "cuda/distance_field.h"
+#include "common/map/distance_field.h"
 
-#include "cuda/launch.h"
-#include "cuda/memory.h"
+#include "cuda/stages.h"
 
 namespace parloc::PARLOC_CUDA_NAMESPACE {
 namespace {
@@ -38,18 +37,20 @@ std::size_t rows_per_batch(std::size_t width, std::size_t height) {
 
 }  // namespace
 
-void squared_distance_field(const std::uint8_t* is_source, std::int32_t width, std::int32_t height,
-                            std::uint32_t* field, Stream stream) {
+// One thread per column, then one per row; rows go in batches, so that beside the result it takes at most
+// 64 MiB, or 12 bytes per cell of 256 rows.
+void FilterStages::squared_distance_field(const std::uint8_t* is_source, std::int32_t width,
+                                          std::int32_t height, std::uint32_t* field, Queue& queue) {
   const std::size_t columns = static_cast<std::size_t>(width), rows = static_cast<std::size_t>(height);
-  launch(Columns{is_source, field, width, height}, blocks_for(columns), stream);
+  launch(Columns{is_source, field, width, height}, blocks_for(columns), queue);
   const std::size_t batch = rows_per_batch(columns, rows);
   DeviceBuffer<RowParabola> scratch;
   scratch.reserve(batch * columns);
   for (std::size_t j = 0; j < rows; j += batch) {
     const std::size_t here = std::min(batch, rows - j);
-    launch(Rows{field + j * columns, width, here, scratch.data()}, blocks_for(here), stream);
+    launch(Rows{field + j * columns, width, here, scratch.data()}, blocks_for(here), queue);
   }
-  synchronise(stream);  // before the scratch goes
+  queue.wait();  // before the scratch goes
 }
 
 }  // namespace parloc::PARLOC_CUDA_NAMESPACE

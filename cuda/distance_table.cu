@@ -16,10 +16,10 @@ struct FillTable {
 
 }  // namespace
 
-void distance_table(const std::uint32_t* squared_cells, std::int32_t width, std::int32_t height,
-                    DistancePair* table, Stream stream) {
+void FlowStages::distance_table(const std::uint32_t* squared_cells, std::int32_t width, std::int32_t height,
+                                DistancePair* table, Queue& queue) {
   launch(FillTable{squared_cells, width, height, table}, blocks_for(distance_table_size(width, height)),
-         stream);
+         queue);
 }
 
 }  // namespace parloc::PARLOC_CUDA_NAMESPACE

@@ -84,20 +84,12 @@ std::vector<std::vector<PlacedScan>> rounds_of(const std::vector<PlacedScan>& pl
 
 }  // namespace
 
-DraftMaps::DraftMaps(const MatcherRules& rules, Stream stream)
-    : rules_(rules), stream_(stream), store_(stream) {
-  const std::vector<std::uint64_t> none(1, 0);
-  freed_.from_host(none, stream_);
-  synchronise(stream_);
-}
+DraftMaps::DraftMaps(const MatcherRules& rules, Queue& queue) : rules_(rules), queue_(queue), store_(queue) {}
 
 void DraftMaps::clear() {
   count_ = 0;
   span_ = {};
-  used_ = 1;
-  const std::vector<std::uint32_t> references = count_references({}, store_.capacity());
-  copy_down(store_.refs(), references.data(), references.size() * sizeof(std::uint32_t), stream_);
-  synchronise(stream_);
+  store_.set_references(count_references({}, store_.capacity()), queue_);
 }
 
 void DraftMaps::cover(const std::vector<ScanDrawing>& drawings) {
@@ -106,13 +98,13 @@ void DraftMaps::cover(const std::vector<ScanDrawing>& drawings) {
   for (const ScanDrawing& d : drawings) count = std::max(count, d.map + 1);
   if (span.size() == span_.size() && count == count_) return;
   std::vector<std::uint32_t> table =
-      moved_tables(table_.to_host(count_ * span_.size(), stream_), span_, span, count_);
+      moved_tables(table_.to_host(count_ * span_.size(), queue_), span_, span, count_);
   table.resize(count * span.size(), kNoTile);
-  table_.from_host(table, stream_);
-  synchronise(stream_);
+  table_.from_host(table, queue_);
+  queue_.wait();
   touched_.reserve(table.size());
-  room_.need.reserve(table.size());
-  scratch_.reserve(table.size());
+  new_tiles_.reserve(table.size());
+  queue_.reserve(table.size());
   span_ = span;
   count_ = count;
 }
@@ -120,16 +112,19 @@ void DraftMaps::cover(const std::vector<ScanDrawing>& drawings) {
 /// A tile wherever one of the scans will write.
 void DraftMaps::make_tiles(std::size_t scans, std::size_t most_hits) {
   const std::size_t places = count_ * span_.size();
-  launch(ClearMarks{touched_.data(), places}, blocks_for(places), stream_);
+  launch(ClearMarks{touched_.data(), places}, blocks_for(places), queue_);
   launch(MarkScans{{placed_.data(), scans, most_hits, rules_.draw}, span_, touched_.data()},
-         blocks_for(scans * most_hits), stream_);
-  count_new_tiles(touched_.data(), count_, maps(), store_.refs(), room_, scratch_, stream_);
-  std::uint64_t needed = 0;
-  copy_up(&needed, room_.need.data() + places - 1, sizeof needed, stream_);
-  synchronise(stream_);
-  store_.make_room(used_ + needed, stream_);
-  assign_tiles(needed, count_, maps(), store_, freed_.data(), room_, scratch_, stream_);
-  used_ += needed;
+         blocks_for(scans * most_hits), queue_);
+  // The maps take the place of the particles.
+  SlamArgs args;
+  args.maps = maps();
+  args.particles.capacity = count_;
+  args.touched = touched_.data();
+  SlamStages::find_new_tiles(args, store_, new_tiles_, queue_);
+  const std::size_t used = store_.used(queue_);  // waits
+  store_.make_room(used + new_tiles_.count(), queue_);
+  args.maps = maps();
+  SlamStages::assign_tiles(args, store_, new_tiles_, queue_);
 }
 
 void DraftMaps::draw(const std::vector<ScanDrawing>& drawings) {
@@ -137,7 +132,7 @@ void DraftMaps::draw(const std::vector<ScanDrawing>& drawings) {
   cover(drawings);
   std::vector<const BeamTable*> tables;
   for (const ScanDrawing& d : drawings) tables.push_back(d.scan);
-  const std::vector<Beams> beams = scans_.upload(tables, stream_);
+  const std::vector<Beams> beams = scans_.upload(tables, queue_);
   std::vector<PlacedScan> placed;
   std::size_t most_hits = 0;
   for (std::size_t k = 0; k < drawings.size(); ++k) {
@@ -147,14 +142,14 @@ void DraftMaps::draw(const std::vector<ScanDrawing>& drawings) {
   const auto rounds = rounds_of(placed, count_);
   placed.clear();
   for (const std::vector<PlacedScan>& round : rounds) placed.insert(placed.end(), round.begin(), round.end());
-  placed_.from_host(placed, stream_);
+  placed_.from_host(placed, queue_);
   make_tiles(placed.size(), most_hits);
   const PlacedScan* first = placed_.data();
   for (const std::vector<PlacedScan>& round : rounds) {
     launch(DrawScans{{first, round.size(), most_hits, rules_.draw}, maps()},
-           blocks_for(round.size() * most_hits), stream_);
+           blocks_for(round.size() * most_hits), queue_);
     launch(TidyTiles{first, round.size(), maps(), touched_.data()},
-           blocks_for(round.size() * span_.size() * kTileCells), stream_);
+           blocks_for(round.size() * span_.size() * kTileCells), queue_);
     first += round.size();
   }
 }
@@ -167,11 +162,10 @@ TileMap DraftMaps::view(std::size_t map) const {
 SlamCells DraftMaps::cells(std::size_t map) const {
   std::vector<std::uint32_t> table(map < count_ ? span_.size() : 0);
   const TileMap drawn = view(map);
-  if (!table.empty()) copy_up(table.data(), drawn.table, table.size() * sizeof(std::uint32_t), stream_);
-  synchronise(stream_);
-  return gather_cells(drawn.span, table.data(), [&](const std::vector<std::uint32_t>& ids, Tile* to) {
-    store_.read(ids, to, stream_);
-  });
+  if (!table.empty()) copy_up(table.data(), drawn.table, table.size() * sizeof(std::uint32_t), queue_);
+  queue_.wait();
+  return gather_cells(drawn.span, table.data(),
+                      [&](const std::vector<std::uint32_t>& ids, Tile* to) { store_.read(ids, to, queue_); });
 }
 
 }  // namespace parloc::PARLOC_CUDA_NAMESPACE

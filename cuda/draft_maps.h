@@ -18,7 +18,8 @@ struct PlacedScan {
 
 class DraftMaps {
  public:
-  DraftMaps(const MatcherRules& rules, Stream stream);
+  /// `queue` outlives this.
+  DraftMaps(const MatcherRules& rules, Queue& queue);
   void clear();
   void draw(const std::vector<ScanDrawing>& drawings);
   TileMap view(std::size_t map) const;
@@ -30,18 +31,15 @@ class DraftMaps {
   SlamMaps maps() const { return {span_, table_.data(), store_.pool()}; }
 
   MatcherRules rules_;
-  Stream stream_;
+  Queue& queue_;
   std::size_t count_ = 0;  ///< Of the maps.
   TileSpan span_;
   DeviceBuffer<std::uint32_t> table_;   ///< [maps][span.size()]
   DeviceBuffer<std::uint8_t> touched_;  ///< Likewise.
   TileStore store_;
-  std::size_t used_ = 1;  ///< Tiles, the empty one included.
   DeviceScans scans_;
   DeviceBuffer<PlacedScan> placed_;
-  AssignRoom room_;
-  Scratch scratch_;
-  DeviceBuffer<std::uint64_t> freed_;
+  NewTiles new_tiles_;
 };
 
 }  // namespace parloc::PARLOC_CUDA_NAMESPACE

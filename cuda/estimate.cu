@@ -132,31 +132,35 @@ struct Finish {
 
 }  // namespace
 
-void clear_all_bins(const BinTable& t, Stream stream) {
-  launch(ClearAllBins{t}, blocks_for(t.capacity), stream);
+void FilterStages::clear_bins(const BinTable& t, Queue& queue) {
+  launch(ClearAllBins{t}, blocks_for(t.capacity), queue);
 }
 
-void clear_used_bins(const BinTable& t, std::size_t most, Stream stream) {
-  launch(ClearBins{t}, blocks_for(most), stream);
-  launch(ClearList{t}, 1, stream);
+void clear_used_bins(const BinTable& t, std::size_t most, Queue& queue) {
+  launch(ClearBins{t}, blocks_for(most), queue);
+  launch(ClearList{t}, 1, queue);
 }
 
-void estimate(const Particles& p, const Weights& w, const BinTable& t, StepState* state, Scratch& scratch,
-              Stream stream) {
+void FilterStages::estimate(const EstimateArgs& args, Queue& queue) {
+  const Particles& p = args.particles;
+  const BinTable& t = args.bins;
+  StepState* const state = args.state;
+  const std::uint64_t* weight = args.weights.weight;
   const unsigned blocks = blocks_for(p.capacity);  // there are no more bins than particles
-  std::uint64_t* best = scratch.best.data();
-  launch(FillBins{t, p, w.weight, best}, blocks, stream);
-  launch(JoinBins{t}, blocks, stream);
-  launch(SumClusters{t}, blocks, stream);
-  launch(FindHeaviest{t, best, false}, blocks, stream);
-  launch(FindHeaviest{t, best, true}, blocks, stream);
-  launch(TakeHeaviest{t, best, state}, 1, stream);
-  const Members members{p, w.weight, t, state};
-  const double* mean = block_sum<kMeanSums>(p, MeanTerm{members}, scratch.sums.data(), stream);
-  launch(Finish{t, mean, state, false}, 1, stream);
-  const double* cov = block_sum<kCovarianceSums>(p, CovarianceTerm{members}, scratch.sums.data(), stream);
-  launch(Finish{t, cov, state, true}, 1, stream);
-  clear_used_bins(t, p.capacity, stream);
+  std::uint64_t* best = queue.scratch.best.data();
+  launch(FillBins{t, p, weight, best}, blocks, queue);
+  launch(JoinBins{t}, blocks, queue);
+  launch(SumClusters{t}, blocks, queue);
+  launch(FindHeaviest{t, best, false}, blocks, queue);
+  launch(FindHeaviest{t, best, true}, blocks, queue);
+  launch(TakeHeaviest{t, best, state}, 1, queue);
+  const Members members{p, weight, t, state};
+  const double* mean = block_sum<kMeanSums>(p, MeanTerm{members}, queue.scratch.sums.data(), queue);
+  launch(Finish{t, mean, state, false}, 1, queue);
+  const double* cov =
+      block_sum<kCovarianceSums>(p, CovarianceTerm{members}, queue.scratch.sums.data(), queue);
+  launch(Finish{t, cov, state, true}, 1, queue);
+  clear_used_bins(t, p.capacity, queue);
 }
 
 }  // namespace parloc::PARLOC_CUDA_NAMESPACE

@@ -76,13 +76,13 @@ struct FlowParticles {
 
 }  // namespace
 
-void flow_particles(const DistanceField& field, const FlowRules& rules, const FlowScan& scan,
-                    const FlowState* state, const Particles& p, Stream stream) {
+void FlowStages::flow_particles(const FlowArgs& args, FlowRoom& room, Queue& queue) {
+  const Particles& p = args.particles;
   constexpr std::size_t kPerLaunch = std::size_t{kMaxBlocks} * kSlots;
   for (std::size_t first = 0; first < p.capacity; first += kPerLaunch) {
     const std::size_t here = std::min(kPerLaunch, p.capacity - first);
-    launch(FlowParticles{field, rules, scan, state, p, first},
-           static_cast<unsigned>((here + kSlots - 1) / kSlots), stream);
+    launch(FlowParticles{args.field, args.rules, room.scan(args), args.state, p, first},
+           static_cast<unsigned>((here + kSlots - 1) / kSlots), queue);
   }
 }
 

@@ -1,13 +1,11 @@
-// The stages of flow and Kalman filters as kernels; contract in common/flow/flow_backend.h. All are
-// asynchronous on `stream` and can be recorded: what changes from step to step they read from `input` and
-// `state`, in device memory.
+// The stages of flow and Kalman filters as kernels; contract in common/flow/flow_stages.h. All are
+// asynchronous on the queue and can be recorded.
 #pragma once
 
-#include "common/flow/cloud_moments.h"
+#include "common/filter/step_input_buffer.h"
+#include "common/flow/flow_stages.h"
 #include "common/flow/mean_update.h"
-#include "cuda/launch.h"
-#include "cuda/stages.h"
-#include "cuda/step_input.h"
+#include "cuda/queue.h"
 
 namespace parloc::PARLOC_CUDA_NAMESPACE {
 
@@ -54,28 +52,34 @@ struct UpdateWork {
   ScanPose pose;
   bool active;
 };
-/// It lies in device memory.
-struct UpdateRoom {
+
+/// The scan, which beams of it count, and updates in the middle of their work, in device memory.
+class FlowRoom {
+ public:
+  explicit FlowRoom(const FlowConfig& config) {
+    mean.reserve(1), beams.reserve(1);
+    if (!(config.z_score > 0.0)) return;
+    distance.reserve(kMaxBeams), keep.reserve(kMaxBeams), kept.reserve(1);
+  }
+  /// Returns whether its arrays moved.
+  template <class Space>
+  bool set_scan(const BeamTable& t, StepInputBuffer<Space>& input) {
+    const bool moved = input.set_scan(t);
+    arrays_ = input.beams();
+    return moved;
+  }
+  FlowScan scan(const FlowArgs& args) const { return {arrays_, args.input, keep.data(), kept.data()}; }
+
   DeviceBuffer<UpdateWork<MeanUpdate>> mean;
   DeviceBuffer<UpdateWork<BeamsUpdate>> beams;
+  DeviceBuffer<float> distance, keep, kept;  // with a z score only
+
+ private:
+  Beams arrays_;
 };
 
-void distance_table(const std::uint32_t* squared_cells, std::int32_t width, std::int32_t height,
-                    DistancePair* table, Stream stream);
-/// `total`: weights as state says; null: all particles weigh the same.
-void cloud_moments(const Cloud& cloud, const StepState* total, bool covariance, FlowState* state,
-                   Scratch& scratch, Stream stream);
-void predict_mean(const FlowRules& rules, const StepInput* input, FlowState* state, Stream stream);
-/// Writes `keep` and `kept`; `distance`: [kMaxBeams] scratch.
-void reject_beams(const DistanceField& field, const FlowRules& rules, const FlowScan& scan,
-                  const FlowState* state, float* distance, float* keep, float* kept, Stream stream);
-void update_mean(const DistanceField& field, const FlowRules& rules, const FlowScan& scan, FlowState* state,
-                 CloudMove* move, const UpdateRoom& room, Stream stream);
-/// What the particles became goes into the Gaussian.
-void finish_mean_state(const FlowRules& rules, FlowState* state, Stream stream);
-void move_cloud(const Particles& particles, const CloudMove* move, const FlowState* state,
-                const StepInput* input, Stream stream);
-void flow_particles(const DistanceField& field, const FlowRules& rules, const FlowScan& scan,
-                    const FlowState* state, const Particles& particles, Stream stream);
+struct FlowStages {
+#include "common/flow/stage_list.inc"
+};
 
 }  // namespace parloc::PARLOC_CUDA_NAMESPACE

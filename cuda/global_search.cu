@@ -1,10 +1,8 @@
 #include <algorithm>
 
-#include "common/filter/backend.h"
+#include "common/filter/filter_backend.h"
 #include "common/search/search_backend.h"
-#include "cuda/device.h"
-#include "cuda/launch.h"
-#include "cuda/memory.h"
+#include "cuda/queue.h"
 
 namespace parloc {
 namespace PARLOC_CUDA_NAMESPACE {
@@ -164,15 +162,12 @@ struct Gather {
 
 class CudaSearch final : public SearchBackend {
  public:
-  CudaSearch(const SearchMap& map, int device, std::string device_name)
-      : device_(selected(device)),
-        device_name_(std::move(device_name)),
-        champions_(map.free_blocks.size() * kTurnBins) {
-    stream_ = make_stream();
-    cells_.from_host(map.cells.bytes, stream_);
-    windows_.from_host(map.windows.bytes, stream_);
-    free_cells_.from_host(map.free_cells, stream_);
-    free_blocks_.from_host(map.free_blocks, stream_);
+  CudaSearch(const SearchMap& map, int device)
+      : queue_(device), champions_(map.free_blocks.size() * kTurnBins) {
+    cells_.from_host(map.cells.bytes, queue_);
+    windows_.from_host(map.windows.bytes, queue_);
+    free_cells_.from_host(map.free_cells, queue_);
+    free_blocks_.from_host(map.free_blocks, queue_);
     grid_ = map.shape;
     grid_.cells.first = cells_.data() + map.cells.first;
     grid_.windows.first = windows_.data() + map.windows.first;
@@ -183,18 +178,17 @@ class CudaSearch final : public SearchBackend {
     gathered_.reserve(champions_);
     counts_.reserve(2);
     nodes_.reserve(std::max(kNodes, map.free_blocks.size()));
-    synchronise(stream_);
+    queue_.wait();
   }
-  ~CudaSearch() override { free_stream(stream_); }
 
-  std::string name() const override { return "cuda (" + device_name_ + ")"; }
+  std::string name() const override { return queue_.name(); }
 
   void search(const SearchTask& asked, const SearchScan& scan,
               std::vector<std::uint64_t>& champions) override {
-    select_device(device_);
+    queue_.use();
     SearchTask task = asked;
     task.grid = grid_;
-    offsets_.from_host(scan.offsets, stream_);
+    offsets_.from_host(scan.offsets, queue_);
     task.offsets = offsets_.data();
     const Blocks blocks{task.block_i, task.block_j, task.block_end_i - task.block_i,
                         task.block_end_j - task.block_j};
@@ -202,20 +196,20 @@ class CudaSearch final : public SearchBackend {
     dive(task, blocks, finds);
     sweep(task, blocks, finds);
     std::uint64_t* count = counts_.data() + 1;
-    launch(Reset{count}, 1, stream_);
-    launch(Gather{task, finds, champions_, gathered_.data(), count}, blocks_for(champions_), stream_);
-    const std::uint64_t found = counts_.to_host(2, stream_)[1];
-    champions = gathered_.to_host(static_cast<std::size_t>(found), stream_);
+    launch(Reset{count}, 1, queue_);
+    launch(Gather{task, finds, champions_, gathered_.data(), count}, blocks_for(champions_), queue_);
+    const std::uint64_t found = counts_.to_host(2, queue_)[1];
+    champions = gathered_.to_host(static_cast<std::size_t>(found), queue_);
   }
 
  private:
   void dive(const SearchTask& task, const Blocks& blocks, const SearchFinds& finds) {
     const std::size_t rounds = static_cast<std::size_t>((task.heading_count + kDiveStep - 1) / kDiveStep);
     tops_.reserve(rounds);
-    launch(Clear{finds, champions_, tops_.data(), rounds}, blocks_for(champions_), stream_);
-    launch(DiveSweep{task, blocks, rounds, tops_.data()}, blocks_for(rounds * blocks.count()), stream_);
+    launch(Clear{finds, champions_, tops_.data(), rounds}, blocks_for(champions_), queue_);
+    launch(DiveSweep{task, blocks, rounds, tops_.data()}, blocks_for(rounds * blocks.count()), queue_);
     launch(Dive{task, finds, tops_.data()},
-           blocks_for(static_cast<std::size_t>(task.heading_count) * kBlockPoses), stream_);
+           blocks_for(static_cast<std::size_t>(task.heading_count) * kBlockPoses), queue_);
   }
 
   void sweep(const SearchTask& task, const Blocks& blocks, const SearchFinds& finds) {
@@ -223,21 +217,19 @@ class CudaSearch final : public SearchBackend {
     const std::size_t headings = static_cast<std::size_t>(task.heading_count);
     for (std::size_t first = 0; first < headings; first += at_a_time) {
       const std::size_t here = std::min(at_a_time, headings - first);
-      launch(Reset{counts_.data()}, 1, stream_);
+      launch(Reset{counts_.data()}, 1, queue_);
       launch(
           Sweep{task, blocks, finds, static_cast<std::int32_t>(first), here, nodes_.data(), counts_.data()},
-          blocks_for(here * blocks.count()), stream_);
-      launch(Descend{task, finds, nodes_.data(), counts_.data()}, kDescendBlocks, stream_);
+          blocks_for(here * blocks.count()), queue_);
+      launch(Descend{task, finds, nodes_.data(), counts_.data()}, kDescendBlocks, queue_);
     }
   }
 
   /// How many nodes there are is known on the device alone.
   static constexpr unsigned kDescendBlocks = 1024;
 
-  int device_;
-  std::string device_name_;
+  Queue queue_;
   std::size_t champions_;
-  Stream stream_{};
   SearchGrid grid_;
   DeviceBuffer<std::uint8_t> cells_, windows_, free_cells_, free_blocks_;
   DeviceBuffer<Offset> offsets_;
@@ -250,14 +242,14 @@ class CudaSearch final : public SearchBackend {
 
 #if !defined(__CUDACC__)
 std::unique_ptr<SearchBackend> make_search_on_host(const SearchMap& map) {
-  return std::make_unique<CudaSearch>(map, 0, "kernels on the host");
+  return std::make_unique<CudaSearch>(map, 0);
 }
 #endif
 }  // namespace PARLOC_CUDA_NAMESPACE
 
 #if defined(__CUDACC__)
 std::unique_ptr<SearchBackend> make_cuda_search(const SearchMap& map, int device) {
-  return std::make_unique<cuda::CudaSearch>(map, device, cuda::usable_device(device));
+  return std::make_unique<cuda::CudaSearch>(map, device);
 }
 #endif
 

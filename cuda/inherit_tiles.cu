@@ -28,11 +28,13 @@ struct ReleaseTables {
 
 }  // namespace
 
-void inherit_tiles(const std::uint32_t* ancestor, std::size_t particles, const SlamMaps& maps,
-                   std::uint32_t* other, std::uint32_t* refs, std::uint64_t* freed, Stream stream) {
-  const std::size_t size = maps.span.size(), count = particles * size;
-  launch(CopyTables{ancestor, maps.table, other, refs, particles, size}, blocks_for(count), stream);
-  launch(ReleaseTables{maps.table, refs, freed, count}, blocks_for(count), stream);
+void SlamStages::inherit_tiles(const SlamArgs& args, const std::uint32_t* ancestor, std::uint32_t* other,
+                               TileStore& store, Queue& queue) {
+  const std::uint32_t* const table = args.maps.table;
+  const std::size_t particles = args.particles.capacity, size = args.maps.span.size();
+  const std::size_t count = particles * size;
+  launch(CopyTables{ancestor, table, other, store.refs(), particles, size}, blocks_for(count), queue);
+  launch(ReleaseTables{table, store.refs(), store.freed(), count}, blocks_for(count), queue);
 }
 
 }  // namespace parloc::PARLOC_CUDA_NAMESPACE

@@ -1,6 +1,4 @@
-#include "cuda/likelihood_field.h"
-
-#include "cuda/launch.h"
+#include "cuda/stages.h"
 
 namespace parloc::PARLOC_CUDA_NAMESPACE {
 namespace {
@@ -19,10 +17,11 @@ struct FillTable {
 
 }  // namespace
 
-void likelihood_table(const std::uint32_t* squared_cells, std::int32_t width, std::int32_t height,
-                      const DistanceLikelihood& likelihood, std::uint32_t* table, Stream stream) {
+void FilterStages::likelihood_table(const std::uint32_t* squared_cells, std::int32_t width,
+                                    std::int32_t height, const DistanceLikelihood& likelihood,
+                                    std::uint32_t* table, Queue& queue) {
   const std::size_t size = table_size(width, height);
-  launch(FillTable{squared_cells, width, height, likelihood, table, size}, blocks_for(size), stream);
+  launch(FillTable{squared_cells, width, height, likelihood, table, size}, blocks_for(size), queue);
 }
 
 }  // namespace parloc::PARLOC_CUDA_NAMESPACE

@@ -14,28 +14,25 @@ struct ClearMarks {
 
 /// A thread per particle and beam.
 struct MarkTiles {
-  DrawRules rules;
-  MatchRules match;
-  Beams beams;
-  TileSpan span;
-  Particles p;
-  std::uint8_t* touched;
+  SlamArgs args;
   PARLOC_HD void operator()(const Thread& me) const {
-    for (std::size_t k = me.first(); k < p.count() * beams.hits; k += me.stride()) {
+    const Beams& beams = args.beams;
+    const TileSpan& span = args.maps.span;
+    for (std::size_t k = me.first(); k < args.particles.count() * beams.hits; k += me.stride()) {
       const std::size_t i = k / beams.hits;
-      const DrawnBeam b = drawn_beam(beams, k % beams.hits, match_pose(slam_pose(p, i), match), rules);
-      walk_beam(b, MarkTile{span, touched + i * span.size()});
+      const MatchPose pose = match_pose(slam_pose(args.particles, i), args.rules.match);
+      walk_beam(drawn_beam(beams, k % beams.hits, pose, args.draw),
+                MarkTile{span, args.touched + i * span.size()});
     }
   }
 };
 
 }  // namespace
 
-void mark_tiles(const DrawRules& rules, const MatchRules& match, const Beams& beams, const TileSpan& span,
-                const Particles& p, std::uint8_t* touched, Stream stream) {
-  const std::size_t count = p.capacity * span.size();
-  launch(ClearMarks{touched, count}, blocks_for(count), stream);
-  launch(MarkTiles{rules, match, beams, span, p, touched}, blocks_for(p.capacity * beams.hits), stream);
+void SlamStages::mark_tiles(const SlamArgs& args, Queue& queue) {
+  const std::size_t particles = args.particles.capacity, count = particles * args.maps.span.size();
+  launch(ClearMarks{args.touched, count}, blocks_for(count), queue);
+  launch(MarkTiles{args}, blocks_for(particles * args.beams.hits), queue);
 }
 
 }  // namespace parloc::PARLOC_CUDA_NAMESPACE

@@ -1,6 +1,5 @@
 #include <algorithm>
 
-#include "cuda/device.h"
 #include "cuda/draft_maps.h"
 #include "cuda/match_sum.h"
 
@@ -42,51 +41,43 @@ struct MatchScans {
 class CudaScanMatcher final : public ScanMatcher {
  public:
   explicit CudaScanMatcher(const ScanMatcherConfig& config)
-      : ScanMatcher(config.rules),
-        device_(selected(config.device)),  // before anything is allocated
-        stream_(make_stream()),
-        maps_(std::make_unique<DraftMaps>(config.rules, stream_)) {}
-  ~CudaScanMatcher() override {
-    maps_.reset();
-    free_stream(stream_);
-  }
+      : ScanMatcher(config.rules), queue_(config.device), maps_(config.rules, queue_) {}
   void clear() override {
-    select_device(device_);
-    maps_->clear();
+    queue_.use();
+    maps_.clear();
   }
   void draw(const std::vector<ScanDrawing>& drawings) override {
-    select_device(device_);
-    maps_->draw(drawings);
+    queue_.use();
+    maps_.draw(drawings);
   }
   std::vector<ScanMatch> match(const std::vector<ScanQuery>& queries) override {
-    select_device(device_);
+    queue_.use();
     std::vector<const BeamTable*> tables;
     for (const ScanQuery& q : queries) tables.push_back(q.scan);
-    const std::vector<Beams> beams = scans_.upload(tables, stream_);
+    const std::vector<Beams> beams = scans_.upload(tables, queue_);
     std::vector<MatchTask> tasks;
     int most_rounds = 0;
     for (std::size_t k = 0; k < queries.size(); ++k) {
-      tasks.push_back(bind_query(queries[k], maps_->view(queries[k].map), beams[k], rules()));
+      tasks.push_back(bind_query(queries[k], maps_.view(queries[k].map), beams[k], rules()));
       most_rounds = std::max(most_rounds, ScanSearch::most_rounds(queries[k].search));
     }
-    task_.from_host(tasks, stream_);
+    task_.from_host(tasks, queue_);
     found_.reserve(tasks.size());
     if (!tasks.empty())
       launch(MatchScans{rules().match, task_.data(), tasks.size(), most_rounds, found_.data()},
-             static_cast<unsigned>(tasks.size()), stream_);
+             static_cast<unsigned>(tasks.size()), queue_);
     std::vector<ScanMatch> matches;
-    for (const FoundPose& f : found_.to_host(tasks.size(), stream_)) matches.push_back(match_of(f));
+    for (const FoundPose& f : found_.to_host(tasks.size(), queue_)) matches.push_back(match_of(f));
     return matches;
   }
   SlamCells cells(std::size_t map) override {
-    select_device(device_);
-    return maps_->cells(map);
+    queue_.use();
+    return maps_.cells(map);
   }
 
  private:
-  int device_;
-  Stream stream_;
-  std::unique_ptr<DraftMaps> maps_;
+  Queue queue_;
+  DraftMaps maps_;
   DeviceScans scans_;
   DeviceBuffer<MatchTask> task_;
   DeviceBuffer<FoundPose> found_;
@@ -103,7 +94,6 @@ std::unique_ptr<ScanMatcher> make_scan_matcher_on_host(const ScanMatcherConfig& 
 
 #if defined(__CUDACC__)
 std::unique_ptr<ScanMatcher> make_cuda_scan_matcher(const ScanMatcherConfig& config) {
-  (void)cuda::usable_device(config.device);
   return std::make_unique<cuda::CudaScanMatcher>(config);
 }
 #endif

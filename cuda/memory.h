@@ -106,11 +106,16 @@ class DeviceBuffer : public Buffer<T, device_alloc, device_free> {
     this->reserve(host.size());
     if (!host.empty()) copy_down(this->data(), host.data(), host.size() * sizeof(T), s);
   }
-  std::vector<T> to_host(std::size_t count, Stream s) const {
+  std::vector<T> to_host(std::size_t count, Stream s, std::size_t first = 0) const {
     std::vector<T> host(count);
-    if (count > 0) copy_up(host.data(), this->data(), count * sizeof(T), s);
+    if (count > 0) copy_up(host.data(), this->data() + first, count * sizeof(T), s);
     synchronise(s);
     return host;
+  }
+  /// As from_host, and waits: the host needs it no more.
+  void take(std::vector<T>&& host, Stream s) {
+    from_host(host, s);
+    synchronise(s);
   }
   /// As reserve, but what it held is kept.
   void grow(std::size_t size, Stream s) {

@@ -19,9 +19,9 @@ struct MoveCloud {
 
 }  // namespace
 
-void move_cloud(const Particles& particles, const CloudMove* move, const FlowState* state,
-                const StepInput* input, Stream stream) {
-  launch(MoveCloud{particles, move, state, input}, blocks_for(particles.capacity), stream);
+void FlowStages::move_cloud(const FlowArgs& args, Queue& queue) {
+  launch(MoveCloud{args.particles, args.move, args.state, args.input}, blocks_for(args.particles.capacity),
+         queue);
 }
 
 }  // namespace parloc::PARLOC_CUDA_NAMESPACE

@@ -1,9 +1,5 @@
 #include "common/filter/normalise.h"
 
-#if defined(__CUDACC__)
-#include <cub/device/device_scan.cuh>
-#endif
-
 #include "cuda/block_sum.h"
 #include "cuda/stages.h"
 
@@ -83,45 +79,16 @@ struct Decide {
 
 }  // namespace
 
-void inclusive_scan(const std::uint64_t* in, std::uint64_t* out, std::size_t count, Scratch& scratch,
-                    Stream stream) {
-#if defined(__CUDACC__)
-  std::size_t bytes = scratch.scan.size();
-  PARLOC_CHECK(
-      cub::DeviceScan::InclusiveSum(scratch.scan.data(), bytes, in, out, static_cast<int>(count), stream),
-      "scanning weights");
-#else
-  (void)scratch;
-  submit(stream, [=] {
-    std::uint64_t sum = 0;
-    for (std::size_t i = 0; i < count; ++i) out[i] = (sum += in[i]);
-  });
-#endif
-}
-
-void Scratch::reserve(std::size_t particles) {
-  const std::size_t blocks = sum_blocks(particles);
-  sums.reserve((blocks + sum_blocks(blocks) + 3) * 12);  // the widest sum has 12 terms
-  best.reserve(2);
-#if defined(__CUDACC__)
-  std::size_t bytes = 0;
-  std::uint64_t* none = nullptr;
-  PARLOC_CHECK(cub::DeviceScan::InclusiveSum(nullptr, bytes, none, none, static_cast<int>(particles)),
-               "sizing the scan");
-  scan.reserve(bytes > 0 ? bytes : 1);
-#endif
-}
-
-void normalise_scan(const NormaliseArgs& a, Scratch& scratch, Stream stream) {
+void FilterStages::normalise_scan(const NormaliseArgs& a, Queue& queue) {
   const std::size_t count = a.particles.capacity;
-  launch(ClearMax{a.state}, 1, stream);
-  launch(FindMax{a}, std::min(blocks_for(count), 1024u), stream);
-  launch(TakeMax{a.state}, 1, stream);
-  launch(Normalise{a, weight_bits(count)}, blocks_for(count), stream);
-  inclusive_scan(a.weights.weight, a.weights.cumulative, count, scratch, stream);
+  launch(ClearMax{a.state}, 1, queue);
+  launch(FindMax{a}, std::min(blocks_for(count), 1024u), queue);
+  launch(TakeMax{a.state}, 1, queue);
+  launch(Normalise{a, weight_bits(count)}, blocks_for(count), queue);
+  inclusive_scan(a.weights.weight, a.weights.cumulative, count, queue);
   const double* squares =
-      block_sum<1>(a.particles, SquareTerm{a.weights.weight}, scratch.sums.data(), stream);
-  launch(Decide{a, squares}, 1, stream);
+      block_sum<1>(a.particles, SquareTerm{a.weights.weight}, queue.scratch.sums.data(), queue);
+  launch(Decide{a, squares}, 1, queue);
 }
 
 }  // namespace parloc::PARLOC_CUDA_NAMESPACE

@@ -4,11 +4,11 @@ namespace parloc::PARLOC_CUDA_NAMESPACE {
 namespace {
 
 struct Predict {
-  Particles p;
-  const StepInput* input;
+  PredictArgs args;
   PARLOC_HD void operator()(const Thread& me) const {
-    const MotionStep motion = input->motion;
-    const RandomKey key = input->key;
+    const Particles p = args.particles;
+    const MotionStep motion = args.input->motion;
+    const RandomKey key = args.input->key;
     const bool spread = widens(motion);
     const std::size_t count = p.count();
     for (std::size_t i = me.first(); i < count; i += me.stride()) {
@@ -21,8 +21,8 @@ struct Predict {
 
 }  // namespace
 
-void predict(const Particles& particles, const StepInput* input, Stream stream) {
-  launch(Predict{particles, input}, blocks_for(particles.capacity), stream);
+void FilterStages::predict(const PredictArgs& args, Queue& queue) {
+  launch(Predict{args}, blocks_for(args.particles.capacity), queue);
 }
 
 }  // namespace parloc::PARLOC_CUDA_NAMESPACE

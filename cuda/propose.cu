@@ -44,10 +44,9 @@ struct Propose {
 
 }  // namespace
 
-void propose(const ProposeRules& rules, const Beams& beams, const SlamMaps& maps, const Particles& particles,
-             float* likelihood, Stream stream) {
-  launch(Propose{rules, beams, maps, particles, likelihood}, static_cast<unsigned>(particles.capacity),
-         stream);
+void SlamStages::propose(const SlamArgs& args, Queue& queue) {
+  launch(Propose{args.rules, args.beams, args.maps, args.particles, args.likelihood},
+         static_cast<unsigned>(args.particles.capacity), queue);
 }
 
 }  // namespace parloc::PARLOC_CUDA_NAMESPACE

@@ -6,9 +6,8 @@ namespace {
 
 struct RayTrace {  // one thread per ray, adjacent threads adjacent beams
   RayTraceArgs args;
-  const StepInput* input;
   PARLOC_HD void operator()(const Thread& me) const {
-    const RayTraceArgs a = with_scan(args, *input);
+    const RayTraceArgs a = with_input(args);
     const std::size_t beams = a.beams.count;
     for (std::size_t r = me.first(); r < a.particles.count() * beams; r += me.stride()) {
       a.expected_m[r] = trace_beam(a, ray_origin(a, r / beams), r % beams);
@@ -18,8 +17,8 @@ struct RayTrace {  // one thread per ray, adjacent threads adjacent beams
 
 }  // namespace
 
-void ray_trace(const RayTraceArgs& args, const StepInput* input, Stream stream) {
-  launch(RayTrace{args, input}, blocks_for(args.particles.capacity * args.beams.count), stream);
+void FilterStages::ray_trace(const RayTraceArgs& args, Queue& queue) {
+  launch(RayTrace{args}, blocks_for(args.particles.capacity * args.beams.count), queue);
 }
 
 }  // namespace parloc::PARLOC_CUDA_NAMESPACE

@@ -11,16 +11,14 @@ struct AtomicAdd {
 
 /// A thread per particle and beam.
 struct DrawBeams {
-  DrawRules rules;
-  MatchRules match;
-  Beams beams;
-  SlamMaps maps;
-  Particles p;
+  SlamArgs args;
   PARLOC_HD void operator()(const Thread& me) const {
-    for (std::size_t k = me.first(); k < p.count() * beams.hits; k += me.stride()) {
+    const Beams& beams = args.beams;
+    for (std::size_t k = me.first(); k < args.particles.count() * beams.hits; k += me.stride()) {
       const std::size_t i = k / beams.hits;
-      const DrawnBeam b = drawn_beam(beams, k % beams.hits, match_pose(slam_pose(p, i), match), rules);
-      walk_beam(b, DrawCell<AtomicAdd>{&b, maps.of(i), {}});
+      const MatchPose pose = match_pose(slam_pose(args.particles, i), args.rules.match);
+      const DrawnBeam b = drawn_beam(beams, k % beams.hits, pose, args.draw);
+      walk_beam(b, DrawCell<AtomicAdd>{&b, args.maps.of(i), {}});
     }
   }
 };
@@ -28,7 +26,6 @@ struct DrawBeams {
 /// A block per particle, a warp per tile, a thread per row.
 struct TidyTiles {
   SlamMaps maps;
-  Particles p;
   const std::uint8_t* touched;
   PARLOC_HD void operator()(const Thread& me) const {
     const std::size_t i = me.block, size = maps.span.size();
@@ -40,10 +37,10 @@ struct TidyTiles {
 
 }  // namespace
 
-void register_scan(const DrawRules& rules, const MatchRules& match, const Beams& beams, const SlamMaps& maps,
-                   const Particles& p, const std::uint8_t* touched, Stream stream) {
-  launch(DrawBeams{rules, match, beams, maps, p}, blocks_for(p.capacity * beams.hits), stream);
-  launch(TidyTiles{maps, p, touched}, static_cast<unsigned>(p.capacity), stream);
+void SlamStages::register_scan(const SlamArgs& args, Queue& queue) {
+  const std::size_t particles = args.particles.capacity;
+  launch(DrawBeams{args}, blocks_for(particles * args.beams.hits), queue);
+  launch(TidyTiles{args.maps, args.touched}, static_cast<unsigned>(particles), queue);
 }
 
 }  // namespace parloc::PARLOC_CUDA_NAMESPACE

@@ -88,9 +88,10 @@ struct RejectBeams {
 
 }  // namespace
 
-void reject_beams(const DistanceField& field, const FlowRules& rules, const FlowScan& scan,
-                  const FlowState* state, float* distance, float* keep, float* kept, Stream stream) {
-  launch(RejectBeams{field, rules, scan, state, distance, keep, kept}, 1, stream);
+void FlowStages::reject_beams(const FlowArgs& args, FlowRoom& room, Queue& queue) {
+  launch(RejectBeams{args.field, args.rules, room.scan(args), args.state, room.distance.data(),
+                     room.keep.data(), room.kept.data()},
+         1, queue);
 }
 
 }  // namespace parloc::PARLOC_CUDA_NAMESPACE

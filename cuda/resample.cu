@@ -19,10 +19,8 @@ struct ResidualCounts {
 
 struct Gather {
   ResampleArgs args;
-  const StepInput* input;
   PARLOC_HD void operator()(const Thread& me) const {
-    ResampleArgs a = args;
-    a.key = input->key;
+    const ResampleArgs a = with_input(args);
     const std::size_t count = a.to.count();
     const bool injecting = a.state->resample != 0 && a.state->inject > 0.0;
     for (std::size_t j = me.first(); j < count; j += me.stride()) {
@@ -36,14 +34,14 @@ struct Gather {
 
 }  // namespace
 
-void resample(const ResampleArgs& a, const StepInput* input, Scratch& scratch, Stream stream) {
+void FilterStages::resample(const ResampleArgs& a, Queue& queue) {
   if (a.scheme == ResampleScheme::residual) {
     const std::size_t most = a.from.capacity;
-    launch(ResidualCounts{a}, blocks_for(most), stream);
-    inclusive_scan(a.offspring_sum, a.offspring_sum, most, scratch, stream);
-    inclusive_scan(a.remainder_sum, a.remainder_sum, most, scratch, stream);
+    launch(ResidualCounts{a}, blocks_for(most), queue);
+    inclusive_scan(a.offspring_sum, a.offspring_sum, most, queue);
+    inclusive_scan(a.remainder_sum, a.remainder_sum, most, queue);
   }
-  launch(Gather{a, input}, blocks_for(a.to.capacity), stream);
+  launch(Gather{a}, blocks_for(a.to.capacity), queue);
 }
 
 }  // namespace parloc::PARLOC_CUDA_NAMESPACE

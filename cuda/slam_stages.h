@@ -1,5 +1,5 @@
-// The stages of grid SLAM as kernels; contract in common/slam/slam_stages.h. All are asynchronous on
-// `stream`.
+// The stages of grid SLAM as kernels; contract in common/slam/slam_stages.h. All are asynchronous on the
+// queue.
 #pragma once
 
 #include <memory>
@@ -7,28 +7,35 @@
 
 #include "common/math/atomics.h"
 #include "common/slam/slam_stages.h"
-#include "cuda/launch.h"
-#include "cuda/memory.h"
-#include "cuda/stages.h"
+#include "cuda/queue.h"
 
 namespace parloc::PARLOC_CUDA_NAMESPACE {
 
 /// The tiles of all particles, and who uses them.
 class TileStore {
  public:
-  explicit TileStore(Stream stream);
+  explicit TileStore(Queue& queue);
   TilePool pool() const { return {chunk_.data()}; }
-  std::uint32_t* refs() const { return refs_.data(); }  ///< Tables that name a tile; 0: free.
+  std::uint32_t* refs() const { return refs_.data(); }    ///< Tables that name a tile; 0: free.
+  std::uint64_t* freed() const { return freed_.data(); }  ///< Counts the tiles that were given back.
   std::size_t capacity() const { return memory_.size() * kChunkTiles; }
-  void read(const std::vector<std::uint32_t>& ids, Tile* to, Stream stream) const;
-  void write(const std::vector<std::uint32_t>& ids, const Tile* from, Stream stream);
-  /// Room for so many tiles. Throws before anything has changed.
-  void make_room(std::size_t tiles, Stream stream);
+  /// Tiles in use, the empty one included; waits.
+  std::size_t used(const Queue& queue) const { return taken_ - freed_.to_host(1, queue)[0]; }
+  void note_taken(std::size_t tiles) { taken_ += tiles; }
+  void read(const std::vector<std::uint32_t>& ids, Tile* to, const Queue& queue) const;
+  void write(const std::vector<std::uint32_t>& ids, const Tile* from, Queue& queue);
+  /// What tables name from now on, and what they name.
+  void set_references(const std::vector<std::uint32_t>& refs, Queue& queue);
+  std::vector<std::uint32_t> references(const Queue& queue) const { return refs_.to_host(capacity(), queue); }
+  /// Room for so many in all. Throws before anything has changed.
+  void make_room(std::size_t tiles, Queue& queue);
 
  private:
   std::vector<std::unique_ptr<DeviceBuffer<Tile>>> memory_;
   DeviceBuffer<Tile*> chunk_;
   DeviceBuffer<std::uint32_t> refs_;
+  DeviceBuffer<std::uint64_t> freed_;
+  std::size_t taken_ = 1;  ///< That were ever taken into use.
 };
 
 /// One use less; counts the tile if it was the last.
@@ -41,28 +48,21 @@ struct NewTile {
   std::uint32_t id, from;
 };
 
-/// Scratch of assign_tiles.
-struct AssignRoom {
+struct NewTiles {
+  NewTiles() { needed.reserve(1); }
+  /// For tables of so many places.
+  void reserve(std::size_t places) { need.reserve(places); }
+  std::size_t count() const { return static_cast<std::size_t>(*needed.data()); }
+
   DeviceBuffer<std::uint64_t> need;  ///< [N][span]: running count of the places that need a tile.
+  HostBuffer<std::uint64_t> needed;  ///< [1] The last of them.
   DeviceBuffer<std::uint64_t> free;  ///< [tiles]: running count of the free ones.
   DeviceBuffer<std::uint32_t> ids;   ///< Free tiles, ascending.
   DeviceBuffer<NewTile> fresh;
 };
 
-void propose(const ProposeRules& rules, const Beams& beams, const SlamMaps& maps, const Particles& particles,
-             float* likelihood, Stream stream);
-/// `other`: the tables of the next step, as many; `freed`: counts tiles that nobody uses any more.
-void inherit_tiles(const std::uint32_t* ancestor, std::size_t particles, const SlamMaps& maps,
-                   std::uint32_t* other, std::uint32_t* refs, std::uint64_t* freed, Stream stream);
-/// touched: [N][span.size()], 1: the scan comes there.
-void mark_tiles(const DrawRules& rules, const MatchRules& match, const Beams& beams, const TileSpan& span,
-                const Particles& particles, std::uint8_t* touched, Stream stream);
-/// How many tiles assign_tiles will take: in the last element of room.need.
-void count_new_tiles(const std::uint8_t* touched, std::size_t particles, const SlamMaps& maps,
-                     const std::uint32_t* refs, AssignRoom& room, Scratch& scratch, Stream stream);
-void assign_tiles(std::size_t needed, std::size_t particles, const SlamMaps& maps, TileStore& store,
-                  std::uint64_t* freed, AssignRoom& room, Scratch& scratch, Stream stream);
-void register_scan(const DrawRules& rules, const MatchRules& match, const Beams& beams, const SlamMaps& maps,
-                   const Particles& particles, const std::uint8_t* touched, Stream stream);
+struct SlamStages {
+#include "common/slam/stage_list.inc"
+};
 
 }  // namespace parloc::PARLOC_CUDA_NAMESPACE

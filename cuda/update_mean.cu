@@ -73,23 +73,26 @@ struct UpdateMean {
 
 }  // namespace
 
-void predict_mean(const FlowRules& rules, const StepInput* input, FlowState* state, Stream stream) {
-  launch(PredictMean{rules, input, state}, 1, stream);
+void FlowStages::predict_mean(const FlowArgs& args, Queue& queue) {
+  launch(PredictMean{args.rules, args.input, args.state}, 1, queue);
 }
 
-void finish_mean_state(const FlowRules& rules, FlowState* state, Stream stream) {
-  launch(FinishState{rules, state}, 1, stream);
+void FlowStages::finish_update(const FlowArgs& args, Queue& queue) {
+  launch(FinishState{args.rules, args.state}, 1, queue);
 }
 
-void update_mean(const DistanceField& field, const FlowRules& rules, const FlowScan& scan, FlowState* state,
-                 CloudMove* move, const UpdateRoom& room, Stream stream) {
+void FlowStages::update_mean(const FlowArgs& args, FlowRoom& room, Queue& queue) {
+  const auto start = [&](auto update, const auto& terms, auto* work, int most_sums) {
+    launch(
+        UpdateMean<decltype(update), std::decay_t<decltype(terms)>>{
+            args.field, args.rules, room.scan(args), terms, args.state, args.move, work, most_sums},
+        1, queue);
+  };
+  const FlowRules& rules = args.rules;
   if (rules.method == FlowMethod::ekf_beams)
-    return launch(UpdateMean<BeamsUpdate, InformationTerms>{field, rules, scan, rules.information, state,
-                                                            move, room.beams.data(), rules.iterations},
-                  1, stream);
-  launch(UpdateMean<MeanUpdate, MeanTerms>{field, rules, scan, MeanTerms{}, state, move, room.mean.data(),
-                                           MeanUpdate::most_sums(rules)},
-         1, stream);
+    start(BeamsUpdate{}, rules.information, room.beams.data(), rules.iterations);
+  else
+    start(MeanUpdate{}, MeanTerms{}, room.mean.data(), MeanUpdate::most_sums(rules));
 }
 
 }  // namespace parloc::PARLOC_CUDA_NAMESPACE

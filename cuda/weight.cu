@@ -50,7 +50,6 @@ struct WeightGroup {  // a block weighs kParticlesPerBlock particles
   };
   static constexpr int kPhases = 3;
   WeightArgs args;
-  const StepInput* input;
   std::size_t first;  // particle of block 0
   PARLOC_HD void operator()(const Thread& me, int phase, Shared& shared) const {
     const unsigned slot = me.thread / kLanes, lane = me.thread % kLanes;
@@ -58,22 +57,22 @@ struct WeightGroup {  // a block weighs kParticlesPerBlock particles
     if (phase == 0 && lane == 0) shared.sum[slot] = 0;
     if (i >= args.rays.particles.count()) return;
     if (phase == 1)
-      atomic_add(&shared.sum[slot], static_cast<std::uint64_t>(lane_sum(with_scan(args, *input), i, lane)));
+      atomic_add(&shared.sum[slot], static_cast<std::uint64_t>(lane_sum(with_input(args), i, lane)));
     float& log_weight = args.rays.particles.log_weight[i];
     if (phase == 2 && lane == 0)
       log_weight = tempered_log_weight(log_weight, static_cast<std::int64_t>(shared.sum[slot]),
-                                       sum_unit_nat(args), input->tempering);
+                                       sum_unit_nat(args), args.rays.input->tempering);
   }
 };
 
 }  // namespace
 
-void weight(const WeightArgs& args, const StepInput* input, Stream stream) {
+void FilterStages::weight(const WeightArgs& args, Queue& queue) {
   constexpr std::size_t kPerLaunch = std::size_t{kMaxBlocks} * kParticlesPerBlock;
   for (std::size_t first = 0; first < args.rays.particles.capacity; first += kPerLaunch) {
     const std::size_t here = std::min(kPerLaunch, args.rays.particles.capacity - first);
-    launch(WeightGroup{args, input, first},
-           static_cast<unsigned>((here + kParticlesPerBlock - 1) / kParticlesPerBlock), stream);
+    launch(WeightGroup{args, first},
+           static_cast<unsigned>((here + kParticlesPerBlock - 1) / kParticlesPerBlock), queue);
   }
 }
 

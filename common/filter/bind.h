@@ -52,7 +52,11 @@ inline Beams bind_beams(const BeamTable& t) {
 
 inline RayTraceArgs bind_rays(const Particles& particles, const RayMap& map, const Beams& beams,
                               const SensorConfig& sensor) {
-  return {particles, map, beams, sensor.caster, static_cast<float>(sensor.fixed_step_cells), nullptr};
+  return {.particles = particles,
+          .map = map,
+          .beams = beams,
+          .caster = sensor.caster,
+          .fixed_step_cells = static_cast<float>(sensor.fixed_step_cells)};
 }
 
 /// Exponent of the likelihood of a scan. M beams that are worth M_eff independent ones: M_eff / M.
@@ -70,26 +74,6 @@ inline float bind_scan_worth(const SensorConfig& c, const ScanShape& scan) {
   return bind_tempering(c, scan) * static_cast<float>(beams);
 }
 
-/// What the models that ask all particles about a beam need besides.
-struct VoteArrays {
-  const std::uint32_t* squared_cells = nullptr;  ///< Null for models that cast rays.
-  BeamVotes votes;
-  const StepState* state = nullptr;
-};
-
-inline WeightArgs bind_weight(const RayTraceArgs& rays, const LikelihoodField& field,
-                              const SensorConfig& sensor, const VoteArrays& judge) {
-  const std::uint32_t* squared_cells = sensor.do_beamskip ? judge.squared_cells : nullptr;
-  return {rays,
-          sensor.model,
-          bind_tempering(sensor, rays.beams),
-          bind_ray_models(sensor, rays.beams.range_max_m),
-          field,
-          bind_beam_skip(sensor, squared_cells, rays.map.width, rays.map.height, rays.map.resolution_m),
-          judge.votes,
-          judge.state};
-}
-
 inline RecoveryRates bind_recovery(const RecoveryConfig& c) {
   if (c.recovery_alpha_slow <= 0.0 || c.recovery_alpha_fast <= 0.0) return {};
   return {true,
@@ -98,12 +82,6 @@ inline RecoveryRates bind_recovery(const RecoveryConfig& c) {
           portable_log64(c.recovery_alpha_fast),
           portable_log64(1.0 - c.recovery_alpha_fast),
           portable_log64(c.recovery_margin)};
-}
-
-inline NormaliseArgs bind_normalise(const Particles& particles, const Weights& weights,
-                                    const ResampleConfig& resample, StepState* state,
-                                    const RecoveryRates& recovery, const float* scan_worth) {
-  return {particles, weights, resample.threshold, resample.threshold >= 1.0, state, recovery, scan_worth};
 }
 
 /// A full turn has a whole number of bins, 1 to 4096.

@@ -28,10 +28,10 @@ struct AdaptArgs {
   Weights weights;
   KldRule rule;
   FreeSpace free;
-  RandomKey key;
   BinTable bins;  ///< Empty before and after.
   StepState* state = nullptr;
-  std::uint64_t* first = nullptr;  ///< [most] scratch of the parallel form (null on the CPU)
+  const StepInput* input = nullptr;
+  RandomKey key{};  ///< From the input.
 };
 
 /// Particles that k occupied bins need, whatever the limits (Fox 2003, eq. 7). k >= 2.
@@ -56,6 +56,13 @@ PARLOC_HD std::uint32_t kld_needed(const KldRule& rule, std::uint64_t bins) {
 PARLOC_HD KldRule rule_for_all(KldRule rule) {
   rule.fewest = rule.most;
   return rule;
+}
+
+/// `args` with what the input says of this step.
+PARLOC_HD AdaptArgs with_input(AdaptArgs args) {
+  args.key = args.input->key;
+  if (args.input->all_particles != 0) args.rule = rule_for_all(args.rule);
+  return args;
 }
 
 PARLOC_HD std::uint64_t kld_bin(const KldRule& rule, const GridPose& p) {

@@ -4,7 +4,7 @@
 
 #include <vector>
 
-#include "common/filter/backend.h"
+#include "common/filter/filter_backend.h"
 #include "common/filter/particle_filter.h"
 #include "common/filter/stages.h"
 #include "common/map/grid_map.h"

@@ -32,15 +32,15 @@ PARLOC_HD std::uint64_t normalise_one(float& log_weight, const StepState& state,
 PARLOC_HD void finish_normalising(const NormaliseArgs& a, std::uint64_t total, double squares) {
   StepState& state = *a.state;
   const std::size_t count = a.particles.count();
-  if (*a.scan_worth > 0.0f) {
+  const float scan_worth = a.input->scan_worth;
+  if (scan_worth > 0.0f) {
     // After resampling, and at the start, log-weights are 0.
     const bool uniform = state.resample != 0 || state.total == 0;
     const std::uint64_t before =
         uniform ? std::uint64_t{count} << weight_bits(a.particles.capacity) : state.total;
-    average_likelihood(state.likelihood, scan_log_likelihood(state, total, before, *a.scan_worth),
-                       a.recovery);
+    average_likelihood(state.likelihood, scan_log_likelihood(state, total, before, scan_worth), a.recovery);
   }
-  state.inject = *a.scan_worth > 0.0f ? injected_share(state.likelihood, a.recovery) : 0.0;
+  state.inject = scan_worth > 0.0f ? injected_share(state.likelihood, a.recovery) : 0.0;
   state.count = state.next_count = static_cast<std::uint32_t>(count);
   state.total = total;
   const double t = static_cast<double>(total);

@@ -6,7 +6,7 @@
 #include <utility>
 
 #include "common/error.h"
-#include "common/filter/backend.h"
+#include "common/filter/filter_backend.h"
 #include "common/filter/map_frame.h"
 #include "common/filter/run_digest.h"
 #include "common/filter/start.h"
@@ -50,7 +50,7 @@ struct ParticleFilter::State {
 
   FilterConfig config;
   GridMap map;
-  std::unique_ptr<Backend> backend;
+  std::unique_ptr<FilterBackend> backend;
   BeamTable beams;
   StepFrontEnd front_end;
   std::vector<LidarState> lidars;  // one per LiDAR seen
@@ -141,10 +141,11 @@ ParticleFilter::ParticleFilter(const FilterConfig& config, const GridMap& map)
   check_has_free_cell(map);
   state_->map = map;
   std::string why;
-  state_->backend = make_backend(config.backend,
-                                 {config.most_particles(), config.threads, config.device, config.sensor,
-                                  config.resample, config.fewest_particles(), config.kld, config.recovery},
-                                 why);
+  state_->backend =
+      make_filter_backend(config.backend,
+                          {config.most_particles(), config.threads, config.device, config.sensor,
+                           config.resample, config.fewest_particles(), config.kld, config.recovery},
+                          why);
   state_->backend->set_map(map);
 }
 

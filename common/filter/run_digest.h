@@ -3,7 +3,7 @@
 
 #include <string>
 
-#include "common/filter/backend.h"
+#include "common/filter/filter_backend.h"
 #include "common/filter/particle_filter.h"
 #include "common/math/sha256.h"
 

@@ -6,13 +6,15 @@
 // (0 to 4096). Storage slots never move; slot i is also the random counter of particle i. N may change from
 // step to step, up to a fixed capacity: it lies in memory beside the poses, and a slot at or beyond it
 // influences nothing. Memory: every pointer is in the backend's space. The caller owns it; no stage
-// allocates. Failure: stages do not fail on data. NaN log-weights count as -inf; if all are -inf, the weights
-// become uniform and `degenerate` is set. A failing device throws Error{internal}.
+// allocates. A step may be recorded and started again: what changes from step to step (motion, random key,
+// shape of the scan) a stage reads from the StepInput when it runs, never from its arguments. Failure: stages
+// do not fail on data. NaN log-weights count as -inf; if all are -inf, the weights become uniform and
+// `degenerate` is set. A failing device throws Error{internal}.
 //
 // clang-format off
 // | stage          | reads                                    | writes                                              |
 // |----------------|------------------------------------------|-----------------------------------------------------|
-// | predict        | poses, MotionStep                        | poses                                               |
+// | predict        | poses, motion                            | poses                                               |
 // | ray_trace      | poses, map, beams                        | expected_m[N][M] (unfused reference)                |
 // | beam_votes    | poses, log_weight, map, beams, state     | share of each beam (models that ask the cloud)      |
 // | weight         | poses, map, beams (or expected_m), shares| log_weight += tempering * sum of beams              |
@@ -26,13 +28,12 @@
 #include <cstddef>
 #include <cstdint>
 
+#include "common/filter/bins.h"
 #include "common/filter/filter_config.h"
+#include "common/filter/step_input.h"
 #include "common/map/ray_cast.h"
 #include "common/model/beam_skip.h"
 #include "common/model/likelihood_field.h"
-#include "common/model/motion.h"
-#include "common/model/ray_models.h"
-#include "common/model/scan_shape.h"
 
 namespace parloc {
 
@@ -50,12 +51,6 @@ struct Particles {
   PARLOC_HD std::size_t count() const { return *live; }
 };
 
-/// Who draws random numbers in this step.
-struct RandomKey {
-  std::uint64_t seed = 0;
-  std::uint32_t step = 0;
-};
-
 /// A BeamTable in the backend's memory (common/model/beams.h).
 struct Beams : ScanShape {
   const float* origin_x = nullptr;
@@ -70,14 +65,14 @@ struct Beams : ScanShape {
 
 struct PredictArgs {
   Particles particles;
-  MotionStep motion;
-  RandomKey key;
+  const StepInput* input = nullptr;
 };
 
 struct RayTraceArgs {
   Particles particles;
   RayMap map;
-  Beams beams;
+  Beams beams;  ///< The arrays; their shape is that of the input.
+  const StepInput* input = nullptr;
   RayCaster caster = RayCaster::skip;
   float fixed_step_cells = 0.5f;
   float* expected_m = nullptr;  ///< [N][M], row per particle; range_max_m where nothing is hit.
@@ -98,12 +93,12 @@ struct BeamVotes {
 struct WeightArgs {
   RayTraceArgs rays;
   SensorModel model = SensorModel::likelihood_field;
-  float tempering = 1.0f;
-  RayModels models;       ///< Of the models that cast rays.
-  LikelihoodField field;  ///< Of the others.
+  LikelihoodField field;  ///< Of models that cast no rays.
   BeamSkip skip;
   BeamVotes votes;
   const StepState* state = nullptr;  ///< Of the step before.
+  float tempering = 1.0f;            ///< From the input, and so the next.
+  RayModels models{};                ///< Of the models that cast rays.
 };
 
 /// Weighted sums that an estimate is made of; in the grid frame.
@@ -159,7 +154,14 @@ struct NormaliseArgs {
   bool always = false;     ///< Resample in any case.
   StepState* state = nullptr;
   RecoveryRates recovery;
-  const float* scan_worth = nullptr;  ///< [1] Independent beams that the scan counts for; 0: no scan.
+  const StepInput* input = nullptr;
+};
+
+struct EstimateArgs {
+  Particles particles;
+  Weights weights;
+  BinTable bins;  ///< Empty before and after.
+  StepState* state = nullptr;
 };
 
 /// The free cells of the map, for poses drawn anywhere; none if nothing is ever drawn.
@@ -176,12 +178,29 @@ struct ResampleArgs {
                  ///< May share log_weight.
   Weights weights;
   ResampleScheme scheme = ResampleScheme::systematic;
-  RandomKey key;
+  const StepInput* input = nullptr;
   const StepState* state = nullptr;
   std::uint32_t* ancestor = nullptr;       ///< [N]
   std::uint64_t* offspring_sum = nullptr;  ///< [N] scratch of the residual scheme (null otherwise)
   std::uint64_t* remainder_sum = nullptr;  ///< [N] likewise
   FreeSpace free;
+  RandomKey key{};  ///< From the input.
 };
+
+/// What a stage works with: `args` with what the input says of this step.
+PARLOC_HD RayTraceArgs with_input(RayTraceArgs args) {
+  static_cast<ScanShape&>(args.beams) = args.input->scan;
+  return args;
+}
+PARLOC_HD WeightArgs with_input(WeightArgs args) {
+  args.rays = with_input(args.rays);
+  args.models = args.rays.input->models;
+  args.tempering = args.rays.input->tempering;
+  return args;
+}
+PARLOC_HD ResampleArgs with_input(ResampleArgs args) {
+  args.key = args.input->key;
+  return args;
+}
 
 }  // namespace parloc

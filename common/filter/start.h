@@ -4,7 +4,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "common/filter/backend.h"
+#include "common/filter/filter_backend.h"
 #include "common/filter/pose_guess.h"
 #include "common/map/grid_map.h"
 

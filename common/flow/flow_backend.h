@@ -1,25 +1,11 @@
 // A backend owns the particles, the distance field and the scan in its memory, and runs the steps of a flow
-// or Kalman filter on them. The stages exist under the same names in cpu/ (OpenMP) and cuda/ (kernels), over
-// the functions of common/flow, so that every result has the same bits on both.
-//
-// clang-format off
-// | stage          | reads                              | writes                                                    |
-// |----------------|------------------------------------|-----------------------------------------------------------|
-// | distance_table | squared distances of the map       | the table that end points are looked up in                |
-// | predict        | poses, motion                      | poses (common/filter/stages.h; not for pfpf)              |
-// | cloud_moments  | poses, weights or none             | FlowState::cloud                                          |
-// | predict_mean   | FlowState, motion                  | FlowState: prior, centre                                  |
-// | reject_beams   | FlowState, scan, field             | which beams count (only with a z score)                   |
-// | update_mean    | FlowState, scan, field             | FlowState: posterior; CloudMove                           |
-// | move_cloud     | poses, CloudMove                   | poses (edh, naedh, gromov)                                |
-// | flow_particles | poses, FlowState, scan, field      | poses (ledh); poses, log_weight (pfpf)                    |
-// clang-format on
+// or Kalman filter on them (common/flow/flow_stages.h).
 #pragma once
 
 #include <memory>
 #include <string>
 
-#include "common/filter/backend.h"
+#include "common/filter/filter_backend.h"
 #include "common/flow/flow_state.h"
 
 namespace parloc {
@@ -54,10 +40,11 @@ class FlowBackend {
 /// The rules of a configuration on a map.
 FlowRules bind_flow_rules(const FlowConfig& config, FlowMethod method, double resolution_m);
 
-/// Defined in cpu/flow_backend.cpp and cuda/flow_backend.cu. Throw as make_cpu_backend and make_cuda_backend.
+/// Defined in cpu/engines.cpp and cuda/engines.cu. Throw as make_cpu_filter_backend and
+/// make_cuda_filter_backend.
 std::unique_ptr<FlowBackend> make_cpu_flow_backend(const FlowBackendConfig& config);
 std::unique_ptr<FlowBackend> make_cuda_flow_backend(const FlowBackendConfig& config);
-/// As make_backend.
+/// As make_filter_backend.
 std::unique_ptr<FlowBackend> make_flow_backend(BackendChoice choice, const FlowBackendConfig& config,
                                                std::string& why);
 

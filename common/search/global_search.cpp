@@ -4,7 +4,7 @@
 #include <cmath>
 
 #include "common/error.h"
-#include "common/filter/backend.h"
+#include "common/filter/filter_backend.h"
 #include "common/math/portable.h"
 #include "common/math/portable64.h"
 #include "common/model/beams.h"

@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "common/filter/backend.h"
+#include "common/filter/filter_backend.h"
 #include "common/slam/matching/map_tables.h"
 #include "common/slam/matching/scan_matcher.h"
 #include "common/slam/slam_stages.h"
@@ -73,10 +73,11 @@ DrawRules bind_draw_rules(const SlamConfig& config);
 void bind_scan(ProposeRules& rules, const BeamTable& scan, bool empty);
 /// values[j] of slot j's ancestor.
 void inherit(std::vector<float>& values, const std::vector<std::uint32_t>& ancestor);
-/// Defined in cpu/slam_backend.cpp and cuda/slam_backend.cu. Throw as make_cpu_backend and make_cuda_backend.
+/// Defined in cpu/engines.cpp and cuda/engines.cu. Throw as make_cpu_filter_backend and
+/// make_cuda_filter_backend.
 std::unique_ptr<SlamBackend> make_cpu_slam_backend(const SlamBackendConfig& config);
 std::unique_ptr<SlamBackend> make_cuda_slam_backend(const SlamBackendConfig& config);
-/// As make_backend.
+/// As make_filter_backend.
 std::unique_ptr<SlamBackend> make_slam_backend(BackendChoice choice, const SlamBackendConfig& config,
                                                std::string& why);
 

@@ -9,6 +9,7 @@
 // | resample       | poses, weights                            | ancestor, the other pose buffer (likewise)                 |
 // | inherit_tiles  | ancestor, tables, likelihood              | the other tables, likelihood; references                   |
 // | mark_tiles     | poses, scan                               | touched: tiles that the scan will write                    |
+// | find_new_tiles | touched, tables, references               | which of them a particle has to itself not yet             |
 // | assign_tiles   | touched, tables, references               | tables: a tile of its own wherever a particle will write   |
 // | register_scan  | poses, scan, touched, tables              | cells; occupied bits of the touched tiles                  |
 // clang-format on
@@ -18,6 +19,17 @@
 #include "common/slam/propose.h"
 
 namespace parloc {
+
+/// Of all stages, so much as they need.
+struct SlamArgs {
+  ProposeRules rules;
+  DrawRules draw;
+  Beams beams;
+  SlamMaps maps;
+  Particles particles;
+  float* likelihood = nullptr;      ///< [N] Sum of log-weights over the whole way.
+  std::uint8_t* touched = nullptr;  ///< [N][span.size()] 1: the scan comes there.
+};
 
 PARLOC_HD SlamPose slam_pose(const Particles& p, std::size_t i) {
   return {p.x[i], p.y[i], p.theta[i]};

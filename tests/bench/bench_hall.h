@@ -5,7 +5,7 @@
 
 #include "common/error.h"
 #include "common/eval/simulator.h"
-#include "common/filter/backend.h"
+#include "common/filter/filter_backend.h"
 #include "common/map/map_reader.h"
 
 namespace parloc::bench {
@@ -40,10 +40,10 @@ inline Place hall_with_scan(int beams) {
 /// If not, the benchmark's context says why: describe_devices().
 inline bool cuda_answers() {
   try {
-    BackendConfig config;
+    FilterBackendConfig config;
     config.particles = 1;
     std::string why;
-    make_backend(BackendChoice::cuda, config, why);
+    make_filter_backend(BackendChoice::cuda, config, why);
     return true;
   } catch (const Error&) {
     return false;

@@ -11,7 +11,7 @@
 #include <vector>
 
 #include "common/map/skip_field.h"
-#include "cpu/distance_field.h"
+#include "tests/unit/measured_field.h"
 
 namespace {
 
@@ -62,7 +62,7 @@ void distance_field(benchmark::State& state, Mask (*map)()) {
   const Mask mask = map();
   for (auto _ : state) {
     benchmark::DoNotOptimize(
-        parloc::cpu::squared_distance_field(mask.data(), kWidth, kHeight, static_cast<int>(state.range(0))));
+        parloc::test::squared_distance_field(mask.data(), kWidth, kHeight, static_cast<int>(state.range(0))));
   }
   report_memory(state);
 }

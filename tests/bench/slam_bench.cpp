@@ -17,7 +17,6 @@
 #include "common/filter/bind.h"
 #include "common/model/motion.h"
 #include "common/slam/slam_backend.h"
-#include "cpu/poses.h"
 #include "cpu/slam_stages.h"
 #include "tests/bench/bench_hall.h"
 
@@ -71,8 +70,9 @@ MotionStep motion_to(std::size_t step) {
 class Rig {
  public:
   Rig(std::size_t particles, int threads, SlamProposal proposal = SlamProposal::scan_match)
-      : n(particles), poses(n), log_weight_(n), random_(1) {
+      : n(particles), random_(1), live_(static_cast<std::uint32_t>(n)) {
     workers.threads = threads;
+    for (auto* b : {&poses.x, &poses.y, &poses.theta, &poses.log_weight}) b->resize(n);
     SlamConfig config;
     config.proposal = proposal;
     rules = bind_propose_rules(config);
@@ -104,40 +104,44 @@ class Rig {
     rules.motion = motion_to(drive().scans.size() - 1);
     rules.key = {1, key};
     bind_scan(rules, drive().scans.back(), false);
-    cpu::propose(rules, bind_beams(drive().scans.back()), maps(), view(), likelihood.data(), workers);
+    Stages::propose(args(drive().scans.back()), workers);
   }
   void resample() {
-    cpu::inherit_tiles(ancestor.data(), n, maps(), other_table.data(), store, workers);
+    Stages::inherit_tiles(args({}), ancestor.data(), other_table.data(), store, workers);
     std::swap(table, other_table);
   }
-  void mark(const BeamTable& scan) {
-    cpu::mark_tiles(draw, rules.match, bind_beams(scan), span, view(), touched.data(), workers);
-  }
+  void mark(const BeamTable& scan) { Stages::mark_tiles(args(scan), workers); }
   void assign() {
-    cpu::list_new_tiles(touched.data(), n, maps(), store, fresh);
-    cpu::assign_tiles(fresh, maps(), store, workers);
+    Stages::find_new_tiles(args({}), store, fresh, workers);
+    store.make_room(store.used(workers) + fresh.count(), workers);
+    Stages::assign_tiles(args({}), store, fresh, workers);
   }
-  void register_scan(const BeamTable& scan) {
-    cpu::register_scan(draw, rules.match, bind_beams(scan), maps(), view(), touched.data(), workers);
-  }
+  void register_scan(const BeamTable& scan) { Stages::register_scan(args(scan), workers); }
 
   const std::size_t n;
-  cpu::Workers workers;
+  cpu::Queue workers;
   ProposeRules rules;
   DrawRules draw;
-  cpu::Poses poses;
-  cpu::TileStore store;
+  ParticleSet poses;
+  cpu::TileStore store{workers};
   TileSpan span;
   std::vector<float> likelihood;
   std::vector<std::uint32_t> table, other_table, ancestor;
   std::vector<std::uint8_t> touched;
-  std::vector<cpu::NewTile> fresh;
+  cpu::NewTiles fresh;
 
  private:
   double normal(double sigma) { return std::normal_distribution<double>(0.0, sigma)(random_); }
-  SlamMaps maps() { return {span, table.data(), store.pool()}; }
-  Particles view() {
-    return {poses.x.data(), poses.y.data(), poses.theta.data(), log_weight_.data(), &poses.count, n};
+  using Stages = cpu::SlamStages;
+  SlamArgs args(const BeamTable& scan) {
+    return {
+        .rules = rules,
+        .draw = draw,
+        .beams = bind_beams(scan),
+        .maps = {span, table.data(), store.pool()},
+        .particles = {poses.x.data(), poses.y.data(), poses.theta.data(), poses.log_weight.data(), &live_, n},
+        .likelihood = likelihood.data(),
+        .touched = touched.data()};
   }
   void cover(const SlamConfig& config) {
     const TileSpan grown = grown_span(span, poses.x, poses.y, config.usable_range, config.resolution);
@@ -154,21 +158,21 @@ class Rig {
     std::sort(ancestor.begin(), ancestor.end());
   }
 
-  std::vector<float> log_weight_;
   std::mt19937 random_;
+  std::uint32_t live_;
   std::vector<Pose> beside_;
 };
 
 /// What a stage changes of the tiles' use.
 struct Use {
-  explicit Use(Rig& rig) : table(rig.table), used(rig.store.used()) {
+  explicit Use(Rig& rig) : table(rig.table), used(rig.store.used(rig.workers)) {
     refs.assign(rig.store.refs(), rig.store.refs() + rig.store.capacity());
   }
   void restore(Rig& rig) const {
     rig.table = table;
     std::fill(rig.store.refs(), rig.store.refs() + rig.store.capacity(), 0);
     std::copy(refs.begin(), refs.end(), rig.store.refs());
-    rig.store.set_used(used);
+    rig.store.change_used(used, rig.store.used(rig.workers));
   }
   std::vector<std::uint32_t> table, refs;
   std::size_t used;
@@ -188,7 +192,7 @@ void measure(benchmark::State& state, const Rig& rig, const Restore& restore, co
     work();
     state.SetIterationTime(std::chrono::duration<double>(Clock::now() - begun).count());
   }
-  state.counters["tiles"] = static_cast<double>(rig.store.used());
+  state.counters["tiles"] = static_cast<double>(rig.store.used(rig.workers));
   state.counters["particles/s"] =
       benchmark::Counter(static_cast<double>(rig.n), benchmark::Counter::kIsIterationInvariantRate);
 }
@@ -217,7 +221,7 @@ void assign_tiles(benchmark::State& state, const Case& c) {
   rig.assign();
   measure(
       state, rig, [&] { use.restore(rig); }, [&] { rig.assign(); });
-  state.counters["copied"] = static_cast<double>(rig.fresh.size());
+  state.counters["copied"] = static_cast<double>(rig.fresh.count());
 }
 void register_scan(benchmark::State& state, const Case& c) {
   Rig rig(c.particles, c.threads);

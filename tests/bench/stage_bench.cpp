@@ -81,13 +81,13 @@ class Rig {
  public:
   explicit Rig(const Case& c) : config_(c) {
     const Place& place = c.place();
-    BackendConfig config;
+    FilterBackendConfig config;
     config.particles = c.particles;
     config.threads = c.threads;
     config.sensor = c.sensor;
     config.min_particles = c.min_particles;
     config.kld = c.kld;
-    backend = make_backend(c.backend, config, why_);
+    backend = make_filter_backend(c.backend, config, why_);
     backend->set_map(place.map);
     ScanConfig scan_config;
     scan_config.max_beams = c.beams;
@@ -128,7 +128,7 @@ class Rig {
 
   RandomKey next_key() { return {1, step_++}; }
 
-  std::unique_ptr<Backend> backend;
+  std::unique_ptr<FilterBackend> backend;
   BeamTable beams;
   ParticleSet cloud;    ///< Before a step.
   ParticleSet weighed;  ///< After predict and weight.
@@ -165,11 +165,14 @@ void ray_trace(benchmark::State& state, const Case& c) {
   RayTraceArgs args =
       bind_rays({set.x.data(), set.y.data(), set.theta.data(), set.log_weight.data(), &count, count},
                 bind_ray_map(skip.lines.data(), skip.plane, map), bind_beams(rig.beams), c.sensor);
+  StepInput input;
+  input.scan = rig.beams;
+  args.input = &input;
   args.expected_m = expected_m.data();
-  cpu::Workers workers;
+  cpu::Queue workers;
   workers.threads = c.threads;
   rig.measure(
-      state, [] {}, [&] { cpu::ray_trace(args, workers); });
+      state, [] {}, [&] { cpu::FilterStages::ray_trace(args, workers); });
   rig.count_rays(state);
 }
 

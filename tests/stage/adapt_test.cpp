@@ -20,7 +20,7 @@ struct Scene {
   std::uint32_t count, to_count = 0;
   StepState state;
   KldRule rule;
-  RandomKey key;
+  StepInput input;
 
   /// `spread_m`: 0 puts all into one bin.
   Scene(std::uint32_t particles, float spread_m, std::uint32_t fewest, std::uint32_t most, unsigned seed)
@@ -39,19 +39,17 @@ struct Scene {
     state.total = total;
     state.resample = 1;
     rule = bind_kld({}, fewest, most);
-    key = {seed * 977ull, seed % 13};
+    input.key = {seed * 977ull, seed % 13};
   }
-  AdaptArgs args(BinTable bins, std::uint64_t* first) {
-    const FreeSpace free_space{free.data(), 4, 100, 0.05f};
-    return {{x.data(), y.data(), theta.data(), nullptr, &count, rule.most},
-            {nullptr, nullptr, nullptr, nullptr, &to_count, rule.most},
-            {nullptr, cumulative.data()},
-            rule,
-            free_space,
-            key,
-            bins,
-            &state,
-            first};
+  AdaptArgs args(BinTable bins) {
+    return {.from = {x.data(), y.data(), theta.data(), nullptr, &count, rule.most},
+            .to = {nullptr, nullptr, nullptr, nullptr, &to_count, rule.most},
+            .weights = {nullptr, cumulative.data()},
+            .rule = rule,
+            .free = {free.data(), 4, 100, 0.05f},
+            .bins = bins,
+            .state = &state,
+            .input = &input};
   }
 };
 
@@ -96,26 +94,21 @@ struct Found {
 
 Found find(Scene& scene, int threads) {
   Table table(scene.rule.most);
-  std::vector<std::uint64_t> first(scene.rule.most);
-  const AdaptArgs args = scene.args(table.view(), first.data());
+  const AdaptArgs args = scene.args(table.view());
   Found found{};
-  found.loop = one_by_one(args);
+  found.loop = one_by_one(with_input(args));
 
-  cpu::Workers workers;
+  cpu::Queue workers;
   workers.threads = threads;
-  cpu::adapt(args, workers);
+  cpu::FilterStages::adapt(args, workers);
   found.cpu = scene.to_count;
   EXPECT_EQ(scene.state.next_count, scene.to_count);
   EXPECT_TRUE(table.empty());
 
   scene.to_count = scene.state.next_count = 0;
-  cuda_on_host::StepInput input;
-  input.key = scene.key;
-  cuda_on_host::Scratch scratch;
-  scratch.reserve(scene.rule.most);
-  AdaptArgs without_key = args;
-  without_key.key = {};  // the kernels have it from the input
-  cuda_on_host::adapt(without_key, &input, scratch, nullptr);
+  cuda_on_host::Queue queue(0);
+  queue.reserve(scene.rule.most);
+  cuda_on_host::FilterStages::adapt(args, queue);
   found.kernels = scene.to_count;
   EXPECT_EQ(scene.state.next_count, scene.to_count);
   EXPECT_TRUE(table.empty());

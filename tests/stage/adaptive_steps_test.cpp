@@ -4,7 +4,7 @@
 
 #include <algorithm>
 
-#include "common/filter/backend.h"
+#include "common/filter/filter_backend.h"
 #include "common/filter/start.h"
 #include "tests/stage/room_of_blocks.h"
 #include "tests/stage/same_bits.h"
@@ -14,7 +14,7 @@
 
 namespace parloc {
 namespace cuda_on_host {
-std::unique_ptr<Backend> make_backend_on_host(const BackendConfig& config);
+std::unique_ptr<FilterBackend> make_filter_backend_on_host(const FilterBackendConfig& config);
 }
 namespace {
 
@@ -40,7 +40,7 @@ struct Steps {
   std::vector<std::vector<std::uint32_t>> ancestors;
 };
 
-Steps run(Backend& backend, const BackendConfig& config, std::int64_t start) {
+Steps run(FilterBackend& backend, const FilterBackendConfig& config, std::int64_t start) {
   const GridMap map = room();
   backend.set_map(map);
   backend.upload(uniform_start(map, start, 7));
@@ -106,8 +106,8 @@ struct Case {
 
 class AdaptiveSteps : public testing::TestWithParam<Case> {
  protected:
-  BackendConfig config(int threads) const {
-    BackendConfig c;
+  FilterBackendConfig config(int threads) const {
+    FilterBackendConfig c;
     c.particles = GetParam().most;
     c.min_particles = GetParam().fewest;
     c.threads = threads;
@@ -121,7 +121,7 @@ class AdaptiveSteps : public testing::TestWithParam<Case> {
     return c;
   }
   Steps cpu(std::int64_t start, int threads) const {
-    return run(*make_cpu_backend(config(threads)), config(threads), start);
+    return run(*make_cpu_filter_backend(config(threads)), config(threads), start);
   }
   /// Around the edges of warps and blocks, and all that there can be.
   std::vector<std::int64_t> starts() const {
@@ -161,7 +161,7 @@ TEST_P(AdaptiveSteps, TheNumberGoesUpAndDownAndEveryArrayFollows) {
 TEST_P(AdaptiveSteps, KernelBodiesOnTheHostEqualTheOpenMpTwin) {
   for (const std::int64_t start : starts()) {
     SCOPED_TRACE(start);
-    const auto kernels = cuda_on_host::make_backend_on_host(config(1));
+    const auto kernels = cuda_on_host::make_filter_backend_on_host(config(1));
     expect_same(cpu(start, 1), run(*kernels, config(1), start));
   }
 }
@@ -184,10 +184,10 @@ TEST_P(AdaptiveSteps, InstructionSetDoesNotMatter) {
 }
 
 TEST_P(AdaptiveSteps, GpuEqualsCpu) {
-  std::unique_ptr<Backend> gpu;
+  std::unique_ptr<FilterBackend> gpu;
   try {
     std::string why;
-    gpu = make_backend(BackendChoice::cuda, config(1), why);
+    gpu = make_filter_backend(BackendChoice::cuda, config(1), why);
   } catch (const Error& e) {
     PARLOC_WITHOUT_GPU(e);
   }
@@ -210,7 +210,7 @@ INSTANTIATE_TEST_SUITE_P(
 
 // From the second step on, though the number goes up later than that.
 TEST(AdaptiveSteps, NothingIsAllocatedInAStep) {
-  BackendConfig c;
+  FilterBackendConfig c;
   c.particles = 20000;
   c.min_particles = 10;
   c.threads = 1;  // a team of threads is the OpenMP library's
@@ -218,7 +218,7 @@ TEST(AdaptiveSteps, NothingIsAllocatedInAStep) {
   c.recovery.recovery_alpha_slow = 0.05, c.recovery.recovery_alpha_fast = 0.6,
   c.recovery.recovery_margin = 1.0;
   const GridMap map = room();
-  const auto backend = make_cpu_backend(c);
+  const auto backend = make_cpu_filter_backend(c);
   backend->set_map(map);
   backend->upload(uniform_start(map, 50, 7));
   std::vector<BeamTable> beams(16);
@@ -245,12 +245,13 @@ TEST(AdaptiveSteps, NothingIsAllocatedInAStep) {
 
 // A number that may not change and one that need not are the same filter.
 TEST(AdaptiveSteps, NothingElseChangesWithTheCapacity) {
-  BackendConfig small, large;
+  FilterBackendConfig small, large;
   small.particles = 700;
   large.particles = 5000;  // both below 2^22 particles: weights have the same bits
-  expect_same(run(*make_cpu_backend(small), small, 700), run(*make_cpu_backend(large), large, 700));
-  const auto kernels = cuda_on_host::make_backend_on_host(large);
-  expect_same(run(*make_cpu_backend(small), small, 700), run(*kernels, large, 700));
+  expect_same(run(*make_cpu_filter_backend(small), small, 700),
+              run(*make_cpu_filter_backend(large), large, 700));
+  const auto kernels = cuda_on_host::make_filter_backend_on_host(large);
+  expect_same(run(*make_cpu_filter_backend(small), small, 700), run(*kernels, large, 700));
 }
 
 }  // namespace

@@ -3,7 +3,7 @@
 // the bit.
 #include <gtest/gtest.h>
 
-#include "common/filter/backend.h"
+#include "common/filter/filter_backend.h"
 #include "common/filter/start.h"
 #include "tests/stage/room_of_blocks.h"
 #include "tests/stage/same_bits.h"
@@ -12,7 +12,7 @@
 
 namespace parloc {
 namespace cuda_on_host {
-std::unique_ptr<Backend> make_backend_on_host(const BackendConfig& config);
+std::unique_ptr<FilterBackend> make_filter_backend_on_host(const FilterBackendConfig& config);
 }
 namespace {
 
@@ -62,7 +62,7 @@ struct Trace {
   std::vector<StepState> states;
 };
 
-Trace run(Backend& backend, const BackendConfig& config, std::int64_t particles, bool fused,
+Trace run(FilterBackend& backend, const FilterBackendConfig& config, std::int64_t particles, bool fused,
           const GridMap& map = small_room()) {
   backend.set_map(map);
   BeamTable beams;
@@ -121,8 +121,8 @@ struct Case {
 
 class Backends : public testing::TestWithParam<Case> {
  protected:
-  BackendConfig config(std::int64_t particles, int threads) const {
-    BackendConfig c;
+  FilterBackendConfig config(std::int64_t particles, int threads) const {
+    FilterBackendConfig c;
     c.particles = particles;
     c.threads = threads;
     c.sensor.model = GetParam().model;
@@ -139,7 +139,7 @@ class Backends : public testing::TestWithParam<Case> {
     return c;
   }
   Trace cpu(std::int64_t particles, int threads, bool fused = true) const {
-    const auto backend = make_cpu_backend(config(particles, threads));
+    const auto backend = make_cpu_filter_backend(config(particles, threads));
     return run(*backend, config(particles, threads), particles, fused, map());
   }
   GridMap map() const { return GetParam().segments ? room_of_segments() : small_room(); }
@@ -151,7 +151,7 @@ const std::int64_t kCounts[] = {1, 31, 257, 1025, 9001};
 TEST_P(Backends, KernelBodiesOnTheHostEqualTheOpenMpTwin) {
   for (const std::int64_t n : kCounts) {
     SCOPED_TRACE(n);
-    const auto kernels = cuda_on_host::make_backend_on_host(config(n, 1));
+    const auto kernels = cuda_on_host::make_filter_backend_on_host(config(n, 1));
     expect_same(cpu(n, 1), run(*kernels, config(n, 1), n, true, map()));
   }
 }
@@ -178,10 +178,10 @@ TEST_P(Backends, FusedEqualsUnfused) {
 }
 
 TEST_P(Backends, GpuEqualsCpu) {
-  std::unique_ptr<Backend> gpu;
+  std::unique_ptr<FilterBackend> gpu;
   try {
     std::string why;
-    gpu = make_backend(BackendChoice::cuda, config(9001, 1), why);
+    gpu = make_filter_backend(BackendChoice::cuda, config(9001, 1), why);
   } catch (const Error& e) {
     PARLOC_WITHOUT_GPU(e);
   }
@@ -220,12 +220,12 @@ INSTANTIATE_TEST_SUITE_P(
 
 Trace cpu_run(SensorModel model, RayCaster caster, ResampleScheme scheme, std::int64_t particles,
               const GridMap& map = small_room()) {
-  BackendConfig c;
+  FilterBackendConfig c;
   c.particles = particles;
   c.sensor.model = model;
   c.sensor.caster = caster;
   c.resample.scheme = scheme;
-  return run(*make_cpu_backend(c), c, particles, true, map);
+  return run(*make_cpu_filter_backend(c), c, particles, true, map);
 }
 
 TEST(References, TheSkippingCasterGivesTheRangesOfDda) {
@@ -252,7 +252,7 @@ TEST(References, AnEmptyPlaceIsWeighedAsByDda) {
   Scan scan = fan(120);
   scan.range_max_m = 1.5;
   const auto weights = [&](RayCaster caster, SensorModel model, bool spread) {
-    BackendConfig c;
+    FilterBackendConfig c;
     c.particles = 2000;
     c.sensor = default_sensor(model);
     c.sensor.caster = caster;
@@ -260,12 +260,13 @@ TEST(References, AnEmptyPlaceIsWeighedAsByDda) {
     BeamCounts counts;
     select_beams(scan, ScanConfig{}, c.sensor, map.resolution_m, beams, counts);
     if (spread) spread_origins(beams);
-    const auto backend = make_cpu_backend(c);
+    const auto backend = make_cpu_filter_backend(c);
     backend->set_map(map);
     backend->upload(uniform_start(map, c.particles, 3));
     backend->set_scan(beams);
     backend->weight(true);
     backend->normalise_scan();
+    backend->finish();
     return backend->weights();
   };
   for (const SensorModel model :

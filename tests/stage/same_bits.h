@@ -10,7 +10,7 @@
 #include <span>
 #include <vector>
 
-#include "common/filter/backend.h"
+#include "common/filter/filter_backend.h"
 
 namespace parloc::test {
 

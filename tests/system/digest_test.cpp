@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "common/config/config.h"
-#include "common/filter/backend.h"
+#include "common/filter/filter_backend.h"
 #include "common/filter/start.h"
 #include "common/math/sha256.h"
 #include "common/model/model_settings.h"
@@ -18,7 +18,7 @@
 #include "tools/run/localize_log.h"
 
 namespace parloc::cuda_on_host {
-std::unique_ptr<Backend> make_backend_on_host(const BackendConfig& config);
+std::unique_ptr<FilterBackend> make_filter_backend_on_host(const FilterBackendConfig& config);
 }
 namespace parloc::test {
 namespace {
@@ -184,7 +184,7 @@ struct BackendRun {
   std::string digest;       ///< Of every step's state and the final particles.
 };
 
-BackendRun run_backend(Backend& backend, const Config& c) {
+BackendRun run_backend(FilterBackend& backend, const Config& c) {
   const GridMap& map = corridor();
   backend.set_map(map);
   const StartPose& start = kStart;
@@ -226,10 +226,10 @@ TEST_P(Digest, KernelBodiesOnTheHostRunAWholeLogAsTheFilterDoes) {
   Config c = config();
   c.particles = 1500;
   c.motion.max_jump_m = 10.0;  // none in this log: run_backend has no inflation for jumps
-  const BackendConfig settings{
+  const FilterBackendConfig settings{
       .particles = c.particles, .threads = c.threads, .sensor = c.sensor, .resample = c.resample};
-  const BackendRun kernels = run_backend(*cuda_on_host::make_backend_on_host(settings), c);
-  EXPECT_EQ(kernels.digest, run_backend(*make_cpu_backend(settings), c).digest);
+  const BackendRun kernels = run_backend(*cuda_on_host::make_filter_backend_on_host(settings), c);
+  EXPECT_EQ(kernels.digest, run_backend(*make_cpu_filter_backend(settings), c).digest);
 
   const Localization filter = run_corridor(c);
   ASSERT_EQ(kernels.poses.size(), filter.trajectory.size());

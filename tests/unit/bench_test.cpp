@@ -231,15 +231,15 @@ TEST(Variants, AreTheTwoAlgorithmsOnOneThreadAndOnAll) {
 }
 
 TEST(Variants, UseTheSettingsThatTheirNamesPromise) {
-  const BackendConfig published = backend_config({Algorithm::published, BackendChoice::cpu, 1, 0}, 10);
+  const FilterBackendConfig published = backend_config({Algorithm::published, BackendChoice::cpu, 1, 0}, 10);
   EXPECT_EQ(published.sensor.caster, RayCaster::fixed_step);
   EXPECT_EQ(published.sensor.fixed_step_cells, 0.5);
   EXPECT_EQ(published.resample.scheme, ResampleScheme::multinomial_linear);
-  const BackendConfig ours = backend_config({Algorithm::parloc, BackendChoice::cpu, 2, 0}, 10);
+  const FilterBackendConfig ours = backend_config({Algorithm::parloc, BackendChoice::cpu, 2, 0}, 10);
   EXPECT_EQ(ours.sensor.caster, RayCaster::skip);
   EXPECT_EQ(ours.resample.scheme, ResampleScheme::systematic);
   EXPECT_EQ(ours.threads, 2);
-  for (const BackendConfig& c : {published, ours}) {
+  for (const FilterBackendConfig& c : {published, ours}) {
     EXPECT_EQ(c.sensor.model, SensorModel::gaussian);
     EXPECT_EQ(c.sensor.sigma_hit, 0.1);
     EXPECT_EQ(c.sensor.tempering, 1.0);

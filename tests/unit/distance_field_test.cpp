@@ -11,8 +11,8 @@
 #include "common/error.h"
 #include "common/map/distance_field.h"
 #include "common/map/grid_map.h"
-#include "cpu/distance_field.h"
-#include "cuda/distance_field.h"  // its kernels, run on the host
+#include "cuda/stages.h"  // its kernels, run on the host
+#include "tests/unit/measured_field.h"
 
 namespace parloc {
 namespace {
@@ -52,7 +52,7 @@ DistanceField brute_force(const Map& map) {
 }
 
 DistanceField field_of(const Map& map, int threads) {
-  return cpu::squared_distance_field(map.mask.data(), map.width, map.height, threads);
+  return test::squared_distance_field(map.mask.data(), map.width, map.height, threads);
 }
 
 /// Sizes around the 64-column strips, thin ones, and densities from nearly empty to nearly full.
@@ -94,7 +94,7 @@ TEST(DistanceField, TestMapT1) {
       0, 1, 1, 1, 1, 1, 1, 1, 1, 0,  //
       0, 0, 0, 0, 0, 0, 0, 0, 0, 0,
   };
-  EXPECT_EQ(cpu::squared_distance_field(mask.data(), map.width, map.height, 1), expected);
+  EXPECT_EQ(test::squared_distance_field(mask.data(), map.width, map.height, 1), expected);
 }
 
 TEST(DistanceField, EqualsBruteForce) {
@@ -104,11 +104,13 @@ TEST(DistanceField, EqualsBruteForce) {
 }
 
 TEST(DistanceField, KernelBodiesOnTheHostEqualTheOpenMpTwin) {
+  cuda_on_host::Queue queue(0);
   std::vector<Map> maps = random_maps();
   maps.push_back(random_map(600, 300, 0.001, 99));  // more rows than threads in a block
   for (const Map& map : maps) {
     DistanceField field(map.mask.size(), 12345);
-    cuda_on_host::squared_distance_field(map.mask.data(), map.width, map.height, field.data(), {});
+    cuda_on_host::FilterStages::squared_distance_field(map.mask.data(), map.width, map.height, field.data(),
+                                                       queue);
     EXPECT_EQ(field, field_of(map, 1)) << map.width << " x " << map.height;
   }
 }
@@ -134,7 +136,7 @@ TEST(DistanceField, TheLongestSidesDoNotOverflow) {
     Mask mask(32767, 0);
     mask.front() = 1;
     const DistanceField field =
-        cpu::squared_distance_field(mask.data(), wide ? 32767 : 1, wide ? 1 : 32767, 1);
+        test::squared_distance_field(mask.data(), wide ? 32767 : 1, wide ? 1 : 32767, 1);
     EXPECT_EQ(field.back(), last * last);
     EXPECT_EQ(field[1], 1u);
   }
@@ -150,9 +152,9 @@ TEST(DistanceField, TheLongestSidesDoNotOverflow) {
 
 TEST(DistanceField, SizesThatNoMapHasAreRefused) {
   const Mask mask(4, 0);
-  EXPECT_THROW(cpu::squared_distance_field(mask.data(), 0, 4, 1), Error);
-  EXPECT_THROW(cpu::squared_distance_field(mask.data(), 4, 40000, 1), Error);
-  EXPECT_THROW(cpu::squared_distance_field(mask.data(), 2, 2, 0), Error);
+  EXPECT_THROW(test::squared_distance_field(mask.data(), 0, 4, 1), Error);
+  EXPECT_THROW(test::squared_distance_field(mask.data(), 4, 40000, 1), Error);
+  EXPECT_THROW(test::squared_distance_field(mask.data(), 2, 2, 0), Error);
 }
 
 }  // namespace

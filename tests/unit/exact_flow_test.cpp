@@ -131,7 +131,7 @@ TEST(VectorEkf, HasTheValuesOfTheSpecification) {
   const auto scan = std::make_unique<cpu::PaddedScan>();
   const auto notes = std::make_unique<cpu::BeamNotes>();
   const BeamTable beams = test::example_beams();
-  scan->set(&beams);
+  scan->set(beams);
   // sigma_map 0.1 m in cells of 0.5 m; sigma_r 0.02 m
   const InformationTerms terms{0.04f * 0.04f, 0.2f * 0.2f, 1.0f};
   const auto sum = cpu::sum_beams(t1.field, *scan, scan_pose(test::example_pose(), t1.field), terms, *notes);

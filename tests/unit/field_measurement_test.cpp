@@ -183,7 +183,7 @@ TEST(FieldMeasurement, BeamsThatDoNotCountAddNothing) {
   const auto scan = std::make_unique<cpu::PaddedScan>();
   const auto notes = std::make_unique<cpu::BeamNotes>();
   const BeamTable beams = test::example_beams();
-  scan->set(&beams);
+  scan->set(beams);
   scan->keep[1] = 0.0f;
   const auto sum =
       cpu::sum_beams(t1.field, *scan, scan_pose(test::example_pose(), t1.field), MeanTerms{}, *notes);

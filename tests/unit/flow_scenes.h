@@ -11,8 +11,8 @@
 #include "common/flow/field_measurement.h"
 #include "common/map/blocking_cells.h"
 #include "common/map/grid_map.h"
-#include "cpu/distance_field.h"
 #include "cpu/flow_stages.h"
+#include "tests/unit/measured_field.h"
 
 namespace parloc::test {
 
@@ -31,9 +31,10 @@ struct MapField {
   DistanceField field;
   MapField(const GridMap& map, float cap_m, FieldInterpolation how = FieldInterpolation::bilinear) {
     const auto occupied = blocking_cells(map, false);
-    const auto squared = cpu::squared_distance_field(occupied.data(), map.width, map.height, 1);
-    cpu::Workers workers;
-    cpu::distance_table(squared, map.width, map.height, workers, table);
+    const auto squared = squared_distance_field(occupied.data(), map.width, map.height, 1);
+    cpu::Queue queue;
+    table.resize(distance_table_size(map.width, map.height));
+    cpu::FlowStages::distance_table(squared.data(), map.width, map.height, table.data(), queue);
     field = {{table.data(), map.width, map.height},
              how,
              static_cast<float>(cap_m / map.resolution_m),
@@ -83,7 +84,7 @@ inline Vector3 example_pose() {
 inline FieldMeasurement measure(const DistanceField& field, const BeamTable& beams, const Vector3& pose) {
   const auto scan = std::make_unique<cpu::PaddedScan>();
   const auto notes = std::make_unique<cpu::BeamNotes>();
-  scan->set(&beams);
+  scan->set(beams);
   const auto sum = cpu::sum_beams(field, *scan, scan_pose(pose, field), MeanTerms{}, *notes);
   return finish_measurement(sum, static_cast<double>(scan->kept), field);
 }
@@ -91,7 +92,7 @@ inline FieldMeasurement measure(const DistanceField& field, const BeamTable& bea
 /// Bilinear mean distance in float64, without a slope: the reference that is differentiated numerically.
 inline double plain_psi_m(const GridMap& map, const BeamTable& beams, const Vector3& pose, double cap_m) {
   const auto occupied = blocking_cells(map, false);
-  const auto squared = cpu::squared_distance_field(occupied.data(), map.width, map.height, 1);
+  const auto squared = squared_distance_field(occupied.data(), map.width, map.height, 1);
   const auto distance = [&](int i, int j) {
     return std::sqrt(static_cast<double>(squared[static_cast<std::size_t>(j) * map.width + i]));
   };

@@ -18,7 +18,7 @@ MapRequest request_of(const std::string& log, const std::string& checkpoint) {
   request.checkpoint = checkpoint;
   request.config.backend = BackendChoice::cpu;
   request.config.slam.particles = 3;
-  request.config.slam.update_min_d = 0.1;
+  request.config.slam_update_min_d = 0.1;
   return request;
 }
 

@@ -35,7 +35,7 @@ BeamTable seen_from(const GridMap& map, const Pose& pose) {
     scan.ranges_m.push_back(rays.cast(static_cast<float>(pose.x_m), static_cast<float>(pose.y_m),
                                       static_cast<float>(heading), 4.0f));
   }
-  return ParticleFilter(test::small_localizer().filter, map).beams(scan);
+  return ParticleFilter(test::small_localizer(), map).beams(scan);
 }
 
 struct Corridor {

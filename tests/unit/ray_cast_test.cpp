@@ -8,7 +8,7 @@
 #include <random>
 
 #include "common/error.h"
-#include "common/filter/backend.h"
+#include "common/filter/filter_backend.h"
 #include "common/map/blocking_cells.h"
 #include "common/map/skip_field.h"
 #include "common/model/beams.h"
@@ -202,14 +202,14 @@ TEST(RayCast, ManyAtOnceGiveTheRangesOfOneByOne) {
   scan.range_max_m = 9.0;
   scan.ranges_m.assign(73, 1.0f);
   const auto ranges = [&](RayCaster caster) {
-    BackendConfig config;
+    FilterBackendConfig config;
     config.particles = static_cast<std::int64_t>(poses.x.size());
     config.sensor = default_sensor(SensorModel::gaussian);
     config.sensor.caster = caster;
     BeamTable beams;
     BeamCounts counts;
     select_beams(scan, ScanConfig{}, config.sensor, grid.resolution_m, beams, counts);
-    const auto backend = make_cpu_backend(config);
+    const auto backend = make_cpu_filter_backend(config);
     backend->set_map(grid);
     backend->upload(poses);
     backend->set_scan(beams);

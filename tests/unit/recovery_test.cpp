@@ -76,7 +76,9 @@ struct Tail {
     a.threshold = 0.0;
     a.state = &state;
     a.recovery = rates;
-    a.scan_worth = &worth;
+    StepInput input;
+    input.scan_worth = worth;
+    a.input = &input;
     state.max_log_weight = max_log_weight;
     finish_normalising(a, total, 1.0);
   }

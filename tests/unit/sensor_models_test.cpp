@@ -7,8 +7,8 @@
 #include <limits>
 
 #include "common/config/config.h"
-#include "common/filter/backend.h"
 #include "common/filter/beam_votes.h"
+#include "common/filter/filter_backend.h"
 #include "common/filter/start.h"
 #include "common/model/ray_models.h"
 
@@ -156,11 +156,11 @@ Scan look_around(std::size_t blocked, bool without = false) {
 /// the particles are together.
 std::vector<float> log_weights(const SensorConfig& sensor, const Scan& scan, double spread_m = 0.05) {
   const GridMap map = room();
-  BackendConfig c;
+  FilterBackendConfig c;
   c.particles = 400;
   c.threads = 2;
   c.sensor = sensor;
-  const auto backend = make_cpu_backend(c);
+  const auto backend = make_cpu_filter_backend(c);
   BeamTable beams;
   BeamCounts counts;
   select_beams(scan, ScanConfig{}, sensor, map.resolution_m, beams, counts);

@@ -9,7 +9,7 @@
 #include <cstdlib>
 #include <random>
 
-#include "common/filter/backend.h"
+#include "common/filter/filter_backend.h"
 #include "common/filter/start.h"
 
 namespace parloc {
@@ -55,11 +55,11 @@ BeamTable all_around() {
 }
 
 std::vector<float> ranges(const GridMap& map, RayCaster caster, std::int64_t particles) {
-  BackendConfig c;
+  FilterBackendConfig c;
   c.particles = particles;
   c.sensor = default_sensor(SensorModel::gaussian);
   c.sensor.caster = caster;
-  const auto backend = make_cpu_backend(c);
+  const auto backend = make_cpu_filter_backend(c);
   backend->set_map(map);
   backend->upload(uniform_start(map, particles, 11));
   backend->set_scan(all_around());

@@ -44,7 +44,7 @@ Json variants_json(const Results& r) {
   Json variants = Json::array();
   for (std::size_t v = 0; v < r.variants.size(); ++v) {
     const Variant& variant = r.variants[v];
-    const BackendConfig c = backend_config(variant, 1);
+    const FilterBackendConfig c = backend_config(variant, 1);
     const bool cuda = variant.backend == BackendChoice::cuda;
     variants.push_back(
         {{"name", name_of(variant)},

@@ -31,11 +31,11 @@ std::array<double, kStageNames.size()> least_stage_bytes(std::int64_t particles,
 
 Rig::Rig(const Variant& variant, const Scene& scene, Cloud cloud, std::int64_t particles)
     : scene_(&scene), cloud_(make_cloud(scene, cloud, particles)) {
-  const BackendConfig config = backend_config(variant, particles);
+  const FilterBackendConfig config = backend_config(variant, particles);
   sensor_ = config.sensor;
   resolution_m_ = scene.map.resolution_m;
   std::string why;
-  backend_ = make_backend(variant.backend, config, why);
+  backend_ = make_filter_backend(variant.backend, config, why);
   backend_->set_map(scene.map);
 }
 

@@ -7,7 +7,7 @@
 #include <memory>
 #include <string>
 
-#include "common/filter/backend.h"
+#include "common/filter/filter_backend.h"
 #include "common/model/beams.h"
 #include "common/model/motion.h"
 #include "tools/bench/scenes.h"
@@ -53,7 +53,7 @@ class Rig {
   ScanConfig scan_config_;
   BeamTable beams_;
   BeamCounts counts_;
-  std::unique_ptr<Backend> backend_;
+  std::unique_ptr<FilterBackend> backend_;
   StepState last_;
   std::uint32_t step_ = 0;
 };

@@ -5,7 +5,7 @@
 #include <cstdint>
 #include <string>
 
-#include "common/filter/backend.h"
+#include "common/filter/filter_backend.h"
 #include "common/io/log.h"
 #include "common/map/grid_map.h"
 

@@ -14,8 +14,8 @@ namespace {
 /// A step of 64 particles: a device that is too old for this build, or broken, fails here.
 void try_step(const Variant& variant) {
   std::string why;
-  const std::unique_ptr<Backend> backend =
-      make_backend(BackendChoice::cuda, backend_config(variant, 64), why);
+  const std::unique_ptr<FilterBackend> backend =
+      make_filter_backend(BackendChoice::cuda, backend_config(variant, 64), why);
   backend->set_map(grid_from_text({"####", "#..#", "#..#", "####"}, 0.5));
   ParticleSet set;
   for (auto* v : {&set.x, &set.y}) v->assign(64, 1.0f);
@@ -39,9 +39,9 @@ std::string name_of(const Variant& v) {
   return fmt::format("{}, {}", kAlgorithmNames[static_cast<std::size_t>(v.algorithm)], place_of(v));
 }
 
-BackendConfig backend_config(const Variant& v, std::int64_t particles) {
+FilterBackendConfig backend_config(const Variant& v, std::int64_t particles) {
   const bool published = v.algorithm == Algorithm::published;
-  BackendConfig config;
+  FilterBackendConfig config;
   config.particles = particles;
   config.threads = v.threads;
   config.device = v.device;

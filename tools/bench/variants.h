@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "common/filter/backend.h"
+#include "common/filter/filter_backend.h"
 
 namespace parloc::bench {
 
@@ -32,7 +32,7 @@ std::string name_of(const Variant& variant);
 
 /// Settings of the filter: the Gaussian sensor of configs/paz2012.yaml. Both algorithms resample in every
 /// step, as the paper does, so that both do the same work.
-BackendConfig backend_config(const Variant& variant, std::int64_t particles);
+FilterBackendConfig backend_config(const Variant& variant, std::int64_t particles);
 
 /// The CPU's cores that this program may run on.
 int cores_here();

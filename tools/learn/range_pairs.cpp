@@ -2,7 +2,7 @@
 
 #include "common/error.h"
 #include "common/eval/metrics.h"
-#include "common/filter/backend.h"
+#include "common/filter/filter_backend.h"
 
 namespace parloc::tools {
 namespace {
@@ -14,10 +14,10 @@ class OneRobot {
       : map_(map), config_(config), track_(config.motion.max_jump_m) {
     SensorConfig sensor = config.sensor;
     if (!casts_rays(sensor.model)) sensor.model = SensorModel::beam;
-    BackendConfig one;
+    FilterBackendConfig one;
     one.particles = one.threads = 1;
     one.sensor = sensor;
-    backend_ = make_cpu_backend(one);
+    backend_ = make_cpu_filter_backend(one);
     backend_->set_map(map);
   }
 
@@ -45,7 +45,7 @@ class OneRobot {
  private:
   const GridMap& map_;
   const FilterConfig& config_;
-  std::unique_ptr<Backend> backend_;
+  std::unique_ptr<FilterBackend> backend_;
   BeamTable beams_;
   BeamCounts counts_;
   OdometryTrack track_;

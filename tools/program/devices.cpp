@@ -3,7 +3,7 @@
 #include <cstdio>
 #include <string>
 
-#include "common/filter/backend.h"
+#include "common/filter/filter_backend.h"
 #include "tools/program/commands.h"
 
 namespace parloc::tools {

@@ -10,7 +10,7 @@
 #include <fstream>
 #include <string_view>
 
-#include "common/filter/backend.h"
+#include "common/filter/filter_backend.h"
 #include "tools/bench/variants.h"
 
 namespace parloc::bench {

@@ -5,7 +5,7 @@
 #include <cmath>
 
 #include "common/error.h"
-#include "common/filter/backend.h"
+#include "common/filter/filter_backend.h"
 #include "common/math/portable64.h"
 
 namespace parloc {

@@ -84,10 +84,11 @@ MatchTask bind_query(const ScanQuery& query, const TileMap& map, const Beams& sc
 /// A span that holds `span` and all that the scans reach.
 TileSpan span_with(TileSpan span, const std::vector<ScanDrawing>& drawings, const DrawRules& rules);
 
-/// Defined in cpu/match_scans.cpp and cuda/match_scans.cu. Throw as make_cpu_backend and make_cuda_backend.
+/// Defined in cpu/match_scans.cpp and cuda/match_scans.cu. Throw as make_cpu_filter_backend and
+/// make_cuda_filter_backend.
 std::unique_ptr<ScanMatcher> make_cpu_scan_matcher(const ScanMatcherConfig& config);
 std::unique_ptr<ScanMatcher> make_cuda_scan_matcher(const ScanMatcherConfig& config);
-/// As make_backend.
+/// As make_filter_backend.
 std::unique_ptr<ScanMatcher> make_scan_matcher(BackendChoice choice, const ScanMatcherConfig& config);
 
 }  // namespace parloc

@@ -1,12 +1,18 @@
-#include "cpu/simd.h"
+#include "cpu/space.h"
 
+#include <fmt/format.h>
 #include <hwy/targets.h>
+#include <omp.h>
 
 #include <algorithm>
 #include <cstdlib>
 #include <cstring>
+#include <fstream>
 
-namespace parloc::cpu {
+#include "common/filter/filter_backend.h"
+
+namespace parloc {
+namespace cpu {
 namespace {
 
 Simd best_of_this_cpu() {
@@ -67,4 +73,28 @@ const char* simd_name(Simd l) {
   return "baseline";
 }
 
-}  // namespace parloc::cpu
+Workers Workers::open(int threads, int) {
+  Workers workers;
+  workers.threads = threads > 0 ? threads : omp_get_num_procs();
+  return workers;
+}
+
+std::string Workers::name() const {
+  return fmt::format("cpu ({}, {} thread{})", simd_name(simd_level()), threads, threads == 1 ? "" : "s");
+}
+
+}  // namespace cpu
+
+std::string describe_cpu() {
+  std::string model = "unknown processor";
+  std::ifstream info("/proc/cpuinfo");
+  for (std::string line; std::getline(info, line);)
+    if (line.rfind("model name", 0) == 0 && line.find(':') != std::string::npos) {
+      model = line.substr(line.find(':') + 2);
+      break;
+    }
+  return fmt::format("cpu: {}, {} cores, using {}", model, omp_get_num_procs(),
+                     cpu::simd_name(cpu::simd_level()));
+}
+
+}  // namespace parloc

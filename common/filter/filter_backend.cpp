@@ -1,15 +1,16 @@
-#include "common/filter/backend.h"
+#include "common/filter/filter_backend.h"
 
 #include "common/error.h"
 
 namespace parloc {
 
-void check_upload(const ParticleSet& p, const BackendConfig& config) {
+void check_upload(const ParticleSet& p, const FilterBackendConfig& config) {
   const std::size_t n = p.x.size();
   if (n < 1 || n > static_cast<std::size_t>(config.particles) || p.y.size() != n || p.theta.size() != n ||
       p.log_weight.size() != n)
-    throw Error(ErrorKind::internal, "Backend::upload: expected 1 to " + std::to_string(config.particles) +
-                                         " particles, got " + std::to_string(n));
+    throw Error(ErrorKind::internal, "FilterBackend::upload: expected 1 to " +
+                                         std::to_string(config.particles) + " particles, got " +
+                                         std::to_string(n));
 }
 
 #if PARLOC_WITH_CUDA
@@ -42,11 +43,12 @@ std::vector<std::string> describe_devices() {
 }
 #endif
 
-std::unique_ptr<Backend> make_backend(BackendChoice choice, const BackendConfig& config, std::string& why) {
+std::unique_ptr<FilterBackend> make_filter_backend(BackendChoice choice, const FilterBackendConfig& config,
+                                                   std::string& why) {
   if (takes_cuda(choice, why)) {
-    if constexpr (PARLOC_WITH_CUDA != 0) return make_cuda_backend(config);
+    if constexpr (PARLOC_WITH_CUDA != 0) return make_cuda_filter_backend(config);
   }
-  return make_cpu_backend(config);
+  return make_cpu_filter_backend(config);
 }
 
 }  // namespace parloc

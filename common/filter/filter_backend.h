@@ -18,7 +18,7 @@ struct ParticleSet {
 };
 
 /// Settings that a step needs besides its arguments; fixed for the life of a backend.
-struct BackendConfig {
+struct FilterBackendConfig {
   std::int64_t particles = 0;  ///< The most that there can be.
   int threads = 0;             ///< CPU: 0 is all cores.
   int device = 0;              ///< CUDA: index of the device.
@@ -34,15 +34,15 @@ struct BackendConfig {
 };
 
 /// Throws Error{internal} unless the arrays are of one size that fits.
-void check_upload(const ParticleSet& particles, const BackendConfig& config);
+void check_upload(const ParticleSet& particles, const FilterBackendConfig& config);
 
 /// Calls of one step come in this order: predict, [set_scan, weight, normalise_scan], estimate,
 /// [adapt, resample], finish. Everything before finish() may be asynchronous; finish() is the only
 /// synchronisation and brings up StepState. Nothing allocates after the first step with the largest scan. Not
 /// thread-safe.
-class Backend {
+class FilterBackend {
  public:
-  virtual ~Backend() = default;
+  virtual ~FilterBackend() = default;
   virtual std::string name() const = 0;
 
   /// Uploads what the sensor model needs of the map. Once, before the first step.
@@ -50,7 +50,7 @@ class Backend {
   /// Table of the likelihood field, whose scale depends on the sensor's maximum range. Called when that
   /// changes.
   virtual void set_range_max(double range_max_m) = 0;
-  /// As many as there are to be; at most BackendConfig::particles.
+  /// As many as there are to be; at most FilterBackendConfig::particles.
   virtual void upload(const ParticleSet& particles) = 0;
   virtual ParticleSet download() const = 0;  ///< After finish().
 
@@ -81,12 +81,13 @@ class Backend {
 bool takes_cuda(BackendChoice choice, std::string& why);
 
 /// Defined in cpu/backend.cpp and cuda/backend.cu. Throws Error{backend} if there is no usable device.
-std::unique_ptr<Backend> make_cpu_backend(const BackendConfig& config);
-std::unique_ptr<Backend> make_cuda_backend(const BackendConfig& config);
+std::unique_ptr<FilterBackend> make_cpu_filter_backend(const FilterBackendConfig& config);
+std::unique_ptr<FilterBackend> make_cuda_filter_backend(const FilterBackendConfig& config);
 
 /// `automatic`: CUDA if built and a device answers, else CPU. An explicit choice that is not there is an
 /// Error{backend}, never another one. `why` gets one line on what was taken and why.
-std::unique_ptr<Backend> make_backend(BackendChoice choice, const BackendConfig& config, std::string& why);
+std::unique_ptr<FilterBackend> make_filter_backend(BackendChoice choice, const FilterBackendConfig& config,
+                                                   std::string& why);
 
 /// One line per device that this build can run on, and why others cannot be used. For `parloc devices`.
 std::vector<std::string> describe_devices();

@@ -1,0 +1,60 @@
+// The step input and the beams of the scan where the host fills them in and where the stages read them.
+#pragma once
+
+#include <algorithm>
+#include <array>
+#include <cstddef>
+
+#include "common/filter/stages.h"
+#include "common/model/beams.h"
+
+namespace parloc {
+
+template <class Space>
+class StepInputBuffer {
+ public:
+  StepInputBuffer() { grow(0); }
+
+  StepInput& host() { return *reinterpret_cast<StepInput*>(memory_.host()); }
+  /// In the backend's space, as send() brought it there.
+  const StepInput* input() const { return reinterpret_cast<const StepInput*>(memory_.there()); }
+
+  /// Returns whether the arrays moved.
+  bool set_scan(const BeamTable& t) {
+    const bool moves = t.count > capacity_;
+    if (moves) grow(t.count);
+    host().scan = t;
+    const std::array from = {&t.origin_x, &t.origin_y,      &t.direction_x, &t.direction_y,
+                             &t.range_m,  &t.short_density, &t.end_x,       &t.end_y};
+    for (std::size_t k = 0; k < from.size(); ++k)
+      std::copy(from[k]->begin(), from[k]->end(), array(memory_.host(), k));
+    return moves;
+  }
+
+  void send(typename Space::Queue& queue) { memory_.send(queue); }
+
+  /// Where the arrays are in the backend's space, with the shape that the host knows.
+  Beams beams() {
+    const auto at = [this](std::size_t k) { return array(memory_.there(), k); };
+    return {host().scan, at(0), at(1), at(2), at(3), at(4), at(5), at(6), at(7)};
+  }
+
+ private:
+  static constexpr std::size_t kArrays = 8;
+
+  float* array(unsigned char* memory, std::size_t k) const {
+    return reinterpret_cast<float*>(memory + sizeof(StepInput)) + k * capacity_;
+  }
+  void grow(std::size_t beams) {
+    const StepInput kept = memory_.size() == 0 ? StepInput{} : host();
+    capacity_ = (beams + 15) / 16 * 16;  // whole vectors
+    memory_.reserve(sizeof(StepInput) + kArrays * capacity_ * sizeof(float));
+    std::fill_n(memory_.host(), memory_.size(), static_cast<unsigned char>(0));
+    host() = kept;
+  }
+
+  std::size_t capacity_ = 0;
+  typename Space::template Mirror<unsigned char> memory_;
+};
+
+}  // namespace parloc

@@ -1,0 +1,64 @@
+// Device memory, and stages that run when the host does not wait for them: what the engines
+// (common/filter/filter_engine.h and its sisters) are given to run on CUDA.
+#pragma once
+
+#include <map>
+
+#include "cuda/flow_stages.h"
+#include "cuda/slam_stages.h"
+#include "cuda/stages.h"
+
+namespace parloc::PARLOC_CUDA_NAMESPACE {
+
+/// Memory that the host fills in or reads, and the stages too; send() and fetch() copy.
+template <class T>
+class Mirror {
+ public:
+  void reserve(std::size_t size) {
+    host_.reserve(size);
+    there_.reserve(size);
+  }
+  T* host() { return host_.data(); }
+  const T* host() const { return host_.data(); }
+  T* there() { return there_.data(); }
+  const T* there() const { return there_.data(); }
+  std::size_t size() const { return host_.size(); }
+  void send(Stream stream) { copy_down(there_.data(), host_.data(), size() * sizeof(T), stream); }
+  void fetch(Stream stream) { copy_up(host_.data(), there_.data(), size() * sizeof(T), stream); }
+
+ private:
+  HostBuffer<T> host_;
+  DeviceBuffer<T> there_;
+};
+
+/// Kinds of work that repeat, by number.
+class Recordings {
+ public:
+  template <class Work>
+  void run(unsigned kind, const Queue& queue, const Work& work) {
+    kinds_[kind].run(queue, work);
+  }
+  /// After memory has moved that they know.
+  void forget() { kinds_.clear(); }
+
+ private:
+  std::map<unsigned, Repeated> kinds_;
+};
+
+struct Space : FilterStages, FlowStages, SlamStages {
+  using Queue = PARLOC_CUDA_NAMESPACE::Queue;
+  using Recordings = PARLOC_CUDA_NAMESPACE::Recordings;
+  using FlowRoom = PARLOC_CUDA_NAMESPACE::FlowRoom;
+  using TileStore = PARLOC_CUDA_NAMESPACE::TileStore;
+  using NewTiles = PARLOC_CUDA_NAMESPACE::NewTiles;
+  template <class T>
+  using Array = DeviceBuffer<T>;
+  template <class T>
+  using Mirror = PARLOC_CUDA_NAMESPACE::Mirror<T>;
+
+  /// One plane: a map of usual size then fits the first-level cache of a multiprocessor.
+  static constexpr std::size_t kMostSkipBytes = 0;
+  static constexpr bool kGivesUpEarly = false;
+};
+
+}  // namespace parloc::PARLOC_CUDA_NAMESPACE
