@@ -1,180 +1,116 @@
-// Reads a configuration: YAML text -> entries (config_entries.h) -> the table of settings.
+// Reads a configuration: the groups of a YAML text (common/file/yaml_section.h) -> the table of settings.
 #include "common/config/config.h"
 
 #include <fmt/format.h>
 
-#include <algorithm>
-#include <cctype>
-#include <cerrno>
-#include <charconv>
-#include <cmath>
 #include <cstring>
-#include <fstream>
 #include <optional>
 #include <string>
-#include <string_view>
-#include <type_traits>
 #include <vector>
 
-#include "common/config/config_entries.h"
 #include "common/config/config_rules.h"
 #include "common/config/config_text.h"
 #include "common/error.h"
+#include "common/file/yaml_section.h"
 
 namespace parloc {
 namespace {
 
-using config_text::full_name;
-using config_text::printable;
+/// A complete configuration has 5 KiB.
+constexpr YamlRules kRules{"a configuration", 64 * 1024, ErrorKind::config};
 
-/// Sets the one field that `entry` names.
-class SettingSetter {
+/// Visits settings and gives those that the file has their value.
+class SettingReader {
  public:
-  SettingSetter(const std::string& file, const ConfigEntry& entry) : file_(file), entry_(entry) {}
+  /// `top` is the group that the settings' groups are looked up in, `section` the one to begin with.
+  SettingReader(const YamlSection& top, const YamlSection& section) : top_(top), section_(section) {}
 
   template <class Number>
   void operator()(const Setting& setting, Number& target, const Limits<Number>& limits) {
-    if (!matches(setting)) return;
-    constexpr const char* wanted = std::is_integral_v<Number> ? "a whole number" : "a number";
-    const Number value = parse<Number>(setting, wanted, limits);
-    if (!config_text::within(value, limits)) fail(config_text::limits_message(setting, value, limits));
-    target = value;
+    section_of(setting).number(setting.key, target, limits.low, limits.high, limits.above_low);
   }
   template <class Value, class Allowed>
   void operator()(const Setting& setting, std::optional<Value>& target, const Allowed& allowed) {
-    if (!matches(setting)) return;
     Value value{};
     (*this)(setting, value, allowed);
-    target = value;
+    if (section_.has(setting.key)) target = value;
   }
-  void operator()(const Setting& setting, bool& target) {
-    if (!matches(setting)) return;
-    const bool yes = !entry_.quoted && entry_.value == "true";
-    if (!yes && (entry_.quoted || entry_.value != "false")) fail_type(setting, "true or false");
-    target = yes;
-  }
+  void operator()(const Setting& setting, bool& target) { section_of(setting).boolean(setting.key, target); }
   template <class Enum, std::size_t n>
   void operator()(const Setting& setting, Enum& target, const std::array<Choice<Enum>, n>& choices) {
-    if (!matches(setting)) return;
-    for (const auto& choice : choices) {
-      if (entry_.value == choice.name) {
-        target = choice.value;
-        return;
-      }
-    }
-    fail_type(setting, config_text::choices_text(choices));
+    section_of(setting).choice(setting.key, target, choices);
   }
 
  private:
-  bool matches(const Setting& setting) const {
-    return entry_.group == setting.group && entry_.key == setting.key;
-  }
-  /// Locale-independent; the whole text must be the number.
-  template <class Number>
-  Number parse(const Setting& setting, const char* wanted, const Limits<Number>& limits) const {
-    std::string_view text = entry_.value;
-    if (entry_.quoted || text.empty()) fail_type(setting, wanted);
-    if (text.front() == '+' && text.size() > 1 && text[1] != '-')
-      text.remove_prefix(1);  // from_chars knows no '+'
-    Number value{};
-    const auto [end, status] = std::from_chars(text.data(), text.data() + text.size(), value);
-    const bool whole = end == text.data() + text.size();
-    const bool negative_unsigned = std::is_unsigned_v<Number> && is_negative_integer(text);
-    if (negative_unsigned || (whole && status == std::errc::result_out_of_range)) {
-      fail(fmt::format("{} must be {}, got {}", full_name(setting), config_text::limits_text(limits),
-                       printable(entry_.value)));
-    }
-    if (!whole || status != std::errc()) fail_type(setting, wanted);
-    if constexpr (std::is_floating_point_v<Number>) {
-      if (!std::isfinite(value)) fail_type(setting, "a finite number");
-    }
-    return value;
-  }
-  static bool is_negative_integer(std::string_view text) {
-    return text.size() > 1 && text.front() == '-' && std::all_of(text.begin() + 1, text.end(), [](char c) {
-             return std::isdigit(static_cast<unsigned char>(c)) != 0;
-           });
-  }
-  [[noreturn]] void fail(const std::string& message) const {
-    throw config_text::error(file_, entry_.line, message);
-  }
-  [[noreturn]] void fail_type(const Setting& setting, const std::string& wanted) const {
-    const std::string got = entry_.empty    ? "nothing"
-                            : entry_.quoted ? fmt::format("the text \"{}\"", printable(entry_.value))
-                                            : fmt::format("'{}'", printable(entry_.value));
-    fail(fmt::format("{}: expected {}, got {}", full_name(setting), wanted, got));
+  /// The settings come group by group.
+  const YamlSection& section_of(const Setting& setting) {
+    if (section_.name() != setting.group) section_ = top_.section(setting.group);
+    return section_;
   }
 
-  const std::string& file_;
-  const ConfigEntry& entry_;
+  const YamlSection& top_;
+  YamlSection section_;
 };
 
-const ConfigEntry* find_entry(const std::vector<ConfigEntry>& entries, std::string_view name) {
-  for (const ConfigEntry& entry : entries) {
-    if (full_name(entry.group, entry.key) == name) return &entry;
-  }
-  return nullptr;
-}
-
 /// The alphas mean different things in the two forms, so a file that sets one must say which form it means.
-void require_form(const std::vector<ConfigEntry>& entries, const std::string& name) {
-  if (find_entry(entries, "motion.form") != nullptr) return;
-  for (const char* alpha : {"motion.alpha1", "motion.alpha2", "motion.alpha3", "motion.alpha4"}) {
-    if (const ConfigEntry* entry = find_entry(entries, alpha)) {
-      throw config_text::error(
-          name, entry->line,
-          fmt::format("{} needs motion.form beside it: seed (sigma linear in the motion) or thrun "
-                      "(variance quadratic, as AMCL)",
-                      alpha));
+void require_form(const YamlSection& top) {
+  const YamlSection motion = top.section("motion");
+  if (motion.has("form")) return;
+  for (const char* alpha : {"alpha1", "alpha2", "alpha3", "alpha4"}) {
+    if (motion.has(alpha)) {
+      throw motion.error(alpha,
+                         "needs motion.form beside it: seed (sigma linear in the motion) or thrun "
+                         "(variance quadratic, as AMCL)");
     }
   }
 }
 
-/// The LiDAR of a group "lidars.front"; made if it is the first time. Null for another group.
-LidarConfig* lidar_of(const std::string& group, std::vector<LidarConfig>& lidars) {
-  const std::string prefix = std::string(kLidars.name) + ".";
-  if (group.rfind(prefix, 0) != 0) return nullptr;
-  const std::string name = group.substr(prefix.size());
+/// The LiDAR of this name; made if it is the first time.
+LidarConfig& lidar_of(const std::string& name, std::vector<LidarConfig>& lidars) {
   for (LidarConfig& lidar : lidars)
-    if (lidar.name == name) return &lidar;
+    if (lidar.name == name) return lidar;
   lidars.emplace_back().name = name;
-  return &lidars.back();
+  return lidars.back();
+}
+
+void read_lidars(const YamlSection& lidars, FilterConfig& config) {
+  for (const std::string& name : lidars.keys()) {
+    if (!config_text::is_lidar_name(name)) {
+      throw lidars.error_at(lidars.line(name), fmt::format("lidars: '{}' is no name of a LiDAR: {}",
+                                                           printable(name), config_text::kLidarNames));
+    }
+    const YamlSection section = lidars.section(name);
+    if (section.keys().empty()) continue;  // it says nothing
+    visit_lidar_settings(lidar_of(name, config.lidars), section.name().c_str(),
+                         SettingReader(lidars, section));
+  }
+}
+
+/// First of all: the model decides the other settings' defaults.
+void read_model(const YamlSection& top, SensorConfig& sensor) {
+  const YamlSection section = top.section("sensor");
+  if (!section.has("model")) return;
+  section.choice("model", sensor.model, kSensorModels);
+  sensor = default_sensor(sensor.model);
 }
 
 }  // namespace
 
 FilterConfig config_from_text(const std::string& text, const std::string& name, const FilterConfig& base) {
-  const std::vector<ConfigEntry> entries = config_entries(text, name);
+  const YamlSection top(text, name, kRules);
   FilterConfig config = base;
-  if (const ConfigEntry* model = find_entry(entries, "sensor.model")) {  // first: it decides other defaults
-    SettingSetter setter(name, *model);
-    visit_settings(config, setter);
-    config.sensor = default_sensor(config.sensor.model);
-  }
-  for (const ConfigEntry& entry : entries) {
-    SettingSetter setter(name, entry);
-    if (LidarConfig* lidar = lidar_of(entry.group, config.lidars)) {
-      visit_lidar_settings(*lidar, entry.group.c_str(), setter);
-    } else {
-      visit_settings(config, setter);
-    }
-  }
-  require_form(entries, name);
-  if (const auto violation = first_violation(config)) {
-    const ConfigEntry* entry = find_entry(entries, violation->name);
-    throw config_text::error(name, entry != nullptr ? entry->line : 0, violation->message);
-  }
+  read_model(top, config.sensor);
+  visit_settings(config, SettingReader(top, top));
+  read_lidars(top.section(kLidars.name), config);
+  top.finish();
+  require_form(top);
+  if (const auto violation = first_violation(config))
+    throw top.error_at(top.line(violation->name), violation->message);
   return config;
 }
 
 FilterConfig read_config(const std::string& path, const FilterConfig& base) {
-  std::ifstream file(path, std::ios::binary);
-  if (!file) throw config_text::error(path, 0, fmt::format("cannot be opened: {}", std::strerror(errno)));
-  std::string text(kLongestConfig + 1, '\0');  // one byte more than allowed tells a file that is too long
-  file.read(text.data(), static_cast<std::streamsize>(text.size()));
-  if (file.bad()) throw config_text::error(path, 0, "cannot be read (is it a folder?)");
-  text.resize(static_cast<std::size_t>(file.gcount()));
-  return config_from_text(text, path, base);
+  return config_from_text(read_yaml_file(path, kRules), path, base);
 }
 
 }  // namespace parloc

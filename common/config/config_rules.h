@@ -1,5 +1,5 @@
 // The first rule that a configuration breaks, for the reader, which knows the line. Private to
-// common/io/config*.cpp.
+// common/config.
 #pragma once
 
 #include <optional>

@@ -1,5 +1,5 @@
 // How names, values and limits of settings are written in messages and in YAML. Private to
-// common/io/config*.cpp.
+// common/config.
 #pragma once
 
 #include <fmt/format.h>
@@ -10,14 +10,12 @@
 
 #include "common/config/settings_table.h"
 #include "common/error.h"
+#include "common/file/yaml_section.h"
 
 namespace parloc::config_text {
 
-/// "file:line: message" (line 0: the whole file), as a configuration error.
-inline Error error(const std::string& file, std::size_t line, const std::string& message) {
-  const std::string where = line > 0 ? fmt::format("{}:{}", file, line) : file;
-  return Error(ErrorKind::config, where + ": " + message);
-}
+using parloc::choices_text;
+using parloc::printable;
 
 /// "motion.alpha1", or "particles" at the top level.
 inline std::string full_name(std::string_view group, std::string_view key) {
@@ -25,16 +23,6 @@ inline std::string full_name(std::string_view group, std::string_view key) {
 }
 inline std::string full_name(const Setting& setting) {
   return full_name(setting.group, setting.key);
-}
-
-/// Text from a file, fit for one line of a message: at most 60 characters, no control characters.
-inline std::string printable(std::string_view text) {
-  constexpr std::size_t longest = 60;
-  std::string out(text.substr(0, longest));
-  for (char& c : out) {
-    if (static_cast<unsigned char>(c) < 0x20 || c == 0x7f) c = '?';
-  }
-  return text.size() > longest ? out + "..." : out;
 }
 
 /// What a key below `lidars` may be.
@@ -51,18 +39,7 @@ inline bool is_lidar_name(std::string_view name) {
 /// "1 to 4096", or "above 0 and at most 1".
 template <class Number>
 std::string limits_text(const Limits<Number>& limits) {
-  return limits.above_low ? fmt::format("above {} and at most {}", limits.low, limits.high)
-                          : fmt::format("{} to {}", limits.low, limits.high);
-}
-
-/// "seed or thrun"; "skip, dda or fixed_step".
-template <class Choices>
-std::string choices_text(const Choices& choices) {
-  std::string text = choices[0].name;
-  for (std::size_t i = 1; i < choices.size(); ++i) {
-    text += (i + 1 < choices.size() ? ", " : " or ") + std::string(choices[i].name);
-  }
-  return text;
+  return parloc::limits_text(limits.low, limits.high, limits.above_low);
 }
 
 /// The name of an enumeration's value; null for a value that is none of the choices.
