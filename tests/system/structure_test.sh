@@ -26,6 +26,8 @@ includes common | grep -E ' (omp\.h|cuda[a-z_]*\.h|curand.*|cub/.*|thrust/.*|coo
 grep -rnE '^[[:space:]]*#[[:space:]]*pragma[[:space:]]+omp' common | fail "common has no OpenMP" || true
 includes cpu | grep -E ' (cuda[a-z_]*\.h|cub/.*|thrust/.*)$' | fail "cpu has no CUDA" || true
 includes cuda | grep -E ' omp\.h$' | fail "cuda has no OpenMP" || true
+includes common cpu cuda tools tests | grep -E ' yaml-cpp/' | grep -v '^common/file/yaml_reader\.cpp:' |
+  fail "yaml-cpp is known to one file" || true
 # Paths are written from the repository's root, so that this very test can read them.
 grep -rnE --include='*.h' --include='*.cpp' --include='*.cu' --include='*.cuh' '^[[:space:]]*#[[:space:]]*include[[:space:]]*"' \
   common cpu cuda tools tests/unit tests/system tests/fuzz |
