@@ -1,8 +1,10 @@
 // The one exception type that reaches a user, with the exit code that the program gives for it.
 #pragma once
 
+#include <cstddef>
 #include <stdexcept>
 #include <string>
+#include <string_view>
 
 namespace parloc {
 
@@ -26,10 +28,25 @@ class Error : public std::runtime_error {
   ErrorKind kind_;
 };
 
-/// "file:line: message" (line 0: the whole file), as an input error.
-inline Error input_error(const std::string& file, std::size_t line, const std::string& message) {
+/// "file:line: message" (line 0: the whole file).
+inline Error file_error(ErrorKind kind, const std::string& file, std::size_t line,
+                        const std::string& message) {
   const std::string where = line > 0 ? file + ":" + std::to_string(line) : file;
-  return Error(ErrorKind::input, where + ": " + message);
+  return Error(kind, where + ": " + message);
+}
+inline Error input_error(const std::string& file, std::size_t line, const std::string& message) {
+  return file_error(ErrorKind::input, file, line, message);
+}
+
+/// Text from a file, fit for one line of a message whatever the file held: at most 60 characters, all of
+/// them printable ASCII.
+inline std::string printable(std::string_view text) {
+  constexpr std::size_t longest = 60;
+  std::string out(text.substr(0, longest));
+  for (char& c : out) {
+    if (c < ' ' || c > '~') c = '?';
+  }
+  return text.size() > longest ? out + "..." : out;
 }
 
 }  // namespace parloc

@@ -1,8 +1,9 @@
 #include "common/config/config.h"
 
-#include <fmt/format.h>
+#include <optional>
 
 #include "common/config/config_settings.h"
+#include "common/error.h"
 #include "common/filter/filter_settings.h"
 #include "common/flow/flow_settings.h"
 #include "common/localize/localize_settings.h"
@@ -13,15 +14,18 @@
 namespace parloc {
 namespace {
 
+/// A complete configuration has 8 KiB.
+constexpr YamlRules kRules{"a configuration", 64 * 1024, ErrorKind::config};
+
 /// The alphas mean different things in the two forms, so a file that sets one must say which form it means.
-void require_form(const SettingsText& text) {
-  if (text.find("motion.form") != nullptr) return;
-  for (const char* alpha : {"motion.alpha1", "motion.alpha2", "motion.alpha3", "motion.alpha4"})
-    if (const SettingsEntry* entry = text.find(alpha))
-      text.fail(entry,
-                fmt::format("{} needs motion.form beside it: seed (sigma linear in the motion) or thrun "
-                            "(variance quadratic, as AMCL)",
-                            alpha));
+void require_form(const YamlSection& top) {
+  const YamlSection motion = top.section("motion");
+  if (motion.has("form")) return;
+  for (const char* alpha : {"alpha1", "alpha2", "alpha3", "alpha4"})
+    if (motion.has(alpha))
+      throw motion.error(alpha,
+                         "needs motion.form beside it: seed (sigma linear in the motion) or thrun "
+                         "(variance quadratic, as AMCL)");
 }
 
 /// Limits of every setting first, then the rules between settings.
@@ -82,21 +86,22 @@ void validate(const Config& config) {
 }
 
 Config config_from_text(const std::string& text, const std::string& name, const Config& base) {
+  const YamlSection top(text, name, kRules);
   Config config = base;
-  Settings settings = settings_of(config);
-  const SettingsText said(text, name, settings);
-  if (said.find("sensor.model") != nullptr) {  // first: it decides other defaults
-    said.set(settings, "sensor.model");
+  const Settings settings = settings_of(config);
+  if (top.section("sensor").has("model")) {  // first: it decides other defaults
+    read_setting(top, settings, "sensor.model");
     config.sensor = default_sensor(config.sensor.model);
   }
-  said.set_all(settings);
-  require_form(said);
-  said.require_none(first_violation(config));
+  read_settings(top, settings);
+  top.finish();
+  require_form(top);
+  require_none(top, first_violation(config));
   return config;
 }
 
 Config read_config(const std::string& path, const Config& base) {
-  return config_from_text(read_settings_file(path), path, base);
+  return config_from_text(read_yaml_file(path, kRules), path, base);
 }
 
 std::string config_to_yaml(const Config& config) {

@@ -4,8 +4,11 @@
 #include <algorithm>
 #include <cstddef>
 #include <numeric>
+#include <string>
 #include <string_view>
 #include <vector>
+
+#include "common/error.h"
 
 namespace parloc {
 
@@ -34,6 +37,10 @@ std::string_view nearest_name(std::string_view written, const Names& names) {
   return *std::min_element(names.begin(), names.end(), [&](std::string_view a, std::string_view b) {
     return edit_distance(start, a) < edit_distance(start, b);
   });
+}
+
+inline std::string unknown_key_message(std::string_view written, std::string_view nearest) {
+  return "unknown key '" + printable(written) + "'; the nearest valid key is '" + std::string(nearest) + "'";
 }
 
 }  // namespace parloc

@@ -9,6 +9,8 @@
 #include <string_view>
 #include <system_error>
 
+#include "common/error.h"
+
 namespace parloc {
 
 /// Why a line makes no sense: "expected ..., found ...". Readers catch it and add file and line.
@@ -16,13 +18,13 @@ struct BrokenLine {
   std::string why;
 };
 
-/// At most 24 characters of a field, safe to print whatever the file held.
-inline std::string printable(std::string_view field) {
-  std::string text(field.substr(0, 24));
-  for (char& c : text) {
-    if (c < ' ' || c > '~') c = '?';
-  }
-  return text + (field.size() > 24 ? "..." : "");
+/// The whole text as a number, whatever the locale. A leading '+', which from_chars does not know, is
+/// allowed.
+template <class Number>
+std::errc parse_number(std::string_view text, Number& value) {
+  if (text.size() > 1 && text[0] == '+' && text[1] != '-') text.remove_prefix(1);
+  const auto [end, status] = std::from_chars(text.data(), text.data() + text.size(), value);
+  return end == text.data() + text.size() ? status : std::errc::invalid_argument;
 }
 
 class Fields {

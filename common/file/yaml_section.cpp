@@ -1,287 +1,228 @@
 #include "common/file/yaml_section.h"
 
-#include <fmt/format.h>
-#include <yaml-cpp/eventhandler.h>
-#include <yaml-cpp/yaml.h>
-
 #include <algorithm>
-#include <cerrno>
-#include <charconv>
-#include <cmath>
-#include <cstring>
-#include <fstream>
-#include <sstream>
+#include <cstdint>
 #include <system_error>
 
 #include "common/file/nearest_name.h"
+#include "common/file/text_fields.h"
 
 namespace parloc {
+
+template <class Number>
+std::string read_number(YamlKind kind, const std::string& text, Number& target, Number low, Number high,
+                        bool above_low) {
+  Number value{};
+  std::errc status = std::errc::invalid_argument;
+  if (kind == YamlKind::plain) status = parse_number(text, value);
+  if constexpr (std::is_unsigned_v<Number>) {  // a negative number is one, too
+    std::int64_t negative = 0;
+    if (kind == YamlKind::plain && status == std::errc::invalid_argument &&
+        parse_number(text, negative) != status)
+      status = std::errc::result_out_of_range;
+  }
+  if (status == std::errc::invalid_argument) {
+    return fmt::format(": expected {}, got {}", std::is_integral_v<Number> ? "a whole number" : "a number",
+                       described(kind, text));
+  }
+  const bool within = value >= low && value <= high && !(above_low && value == low);  // false for NaN
+  if (status != std::errc{} || !within)
+    return fmt::format(" must be {}, got {}", limits_text(low, high, above_low), printable(text));
+  target = value;
+  return {};
+}
+template std::string read_number(YamlKind, const std::string&, int&, int, int, bool);
+template std::string read_number(YamlKind, const std::string&, std::int64_t&, std::int64_t, std::int64_t,
+                                 bool);
+template std::string read_number(YamlKind, const std::string&, std::uint64_t&, std::uint64_t, std::uint64_t,
+                                 bool);
+template std::string read_number(YamlKind, const std::string&, double&, double, double, bool);
+
 namespace {
 
-constexpr std::size_t kLongestText = 1024 * 1024;
-
-std::size_t line_of(const YAML::Mark& mark) {
-  return mark.line < 0 ? 0 : static_cast<std::size_t>(mark.line) + 1;
+std::string joined(const std::string& section, const std::string& key) {
+  return section.empty() ? key : section + "." + key;
 }
 
-Error config_error(const std::string& file, std::size_t line, const std::string& message) {
-  return Error(ErrorKind::config, (line > 0 ? fmt::format("{}:{}", file, line) : file) + ": " + message);
-}
-
-/// Text from a file, fit for one line of a message.
-std::string printable(const std::string& text) {
-  constexpr std::size_t longest = 40;
-  std::string out = text.substr(0, longest);
-  for (char& c : out) {
-    if (static_cast<unsigned char>(c) < 0x20 || c == 0x7f) c = '?';
-  }
-  return text.size() > longest ? out + "..." : out;
-}
-
-std::string described(const YAML::Node& node) {
-  if (!node.IsDefined() || node.IsNull()) return "nothing";
-  if (node.IsMap()) return "a group";
-  if (node.IsSequence()) return "a list";
-  return fmt::format("'{}'", printable(node.Scalar()));
-}
-
-/// Parses a plain (unquoted) scalar completely; false if it is none.
-template <class Number>
-bool parse_scalar(const YAML::Node& node, Number& value) {
-  if (!node.IsScalar() || node.Tag() == "!") return false;
-  const std::string& text = node.Scalar();
-  const auto [end, status] = std::from_chars(text.data(), text.data() + text.size(), value);
-  return status == std::errc() && end == text.data() + text.size();
-}
-
-/// Looks at a text before nodes are made of it: aliases can make a small text large, or refer to themselves.
-class StructureCheck : public YAML::EventHandler {
- public:
-  explicit StructureCheck(const std::string& file) : file_(file) {}
-  void OnDocumentStart(const YAML::Mark& mark) override {
-    // Also what ends yaml-cpp's reading of ", 0], x": it finds empty documents there for ever.
-    if (++documents_ > 1)
-      throw config_error(file_, line_of(mark), "expected one document, found a second one");
-  }
-  void OnDocumentEnd() override {}
-  void OnNull(const YAML::Mark& mark, YAML::anchor_t anchor) override { refuse(mark, anchor); }
-  void OnAlias(const YAML::Mark& mark, YAML::anchor_t anchor) override { refuse(mark, anchor); }
-  void OnScalar(const YAML::Mark& mark, const std::string&, YAML::anchor_t anchor,
-                const std::string&) override {
-    refuse(mark, anchor);
-  }
-  void OnSequenceStart(const YAML::Mark& mark, const std::string&, YAML::anchor_t anchor,
-                       YAML::EmitterStyle::value) override {
-    enter(mark, anchor);
-  }
-  void OnSequenceEnd() override { --depth_; }
-  void OnMapStart(const YAML::Mark& mark, const std::string&, YAML::anchor_t anchor,
-                  YAML::EmitterStyle::value) override {
-    enter(mark, anchor);
-  }
-  void OnMapEnd() override { --depth_; }
-
- private:
-  void refuse(const YAML::Mark& mark, YAML::anchor_t anchor) const {
-    if (anchor != 0)
-      throw config_error(file_, line_of(mark), "anchors and aliases ('&name', '*name') are not allowed");
-  }
-  void enter(const YAML::Mark& mark, YAML::anchor_t anchor) {
-    refuse(mark, anchor);
-    constexpr int deepest = 8;
-    if (++depth_ > deepest) throw config_error(file_, line_of(mark), "nested too deeply");
-  }
-
-  const std::string& file_;
-  int depth_ = 0;
-  int documents_ = 0;
-};
-
-std::string joined(const std::vector<std::string>& names) {
-  std::string text = names[0];
-  for (std::size_t i = 1; i < names.size(); ++i) text += (i + 1 < names.size() ? ", " : " or ") + names[i];
-  return text;
+/// Where a wrong value is: a list or a group may begin below its key.
+std::size_t place_of(const YamlNode& node) {
+  const bool nested = node.kind == YamlKind::list || node.kind == YamlKind::group;
+  return nested || node.key_line == 0 ? node.line : node.key_line;
 }
 
 }  // namespace
 
-double number_of(const YAML::Node& node, const std::string& file, const std::string& what) {
-  double value = 0.0;
-  if (!parse_scalar(node, value) || !std::isfinite(value)) {
-    throw config_error(file, line_of(node.Mark()),
-                       fmt::format("{}: expected a number, got {}", what, described(node)));
+/// What the sections of a file share.
+struct YamlSection::Document {
+  struct Asked {
+    std::string section, key;
+  };
+  std::string file;
+  ErrorKind error;
+  YamlNode root;
+  std::vector<Asked> asked;    // also keys that the file lacks
+  std::vector<Error> missing;  // required keys
+
+  std::string nearest(const std::string& section, const std::string& key) const;
+  void refuse_unknown(const YamlNode& node, const std::string& name) const;
+};
+
+std::string YamlSection::Document::nearest(const std::string& section, const std::string& key) const {
+  const std::string start = key.substr(0, 100);  // bounds the work of a hostile key
+  std::size_t least = static_cast<std::size_t>(-1);
+  const Asked* best = nullptr;
+  for (const Asked& known : asked) {
+    // Doubled, so that another section costs half a letter: it breaks ties, no more.
+    const std::size_t distance = 2 * edit_distance(start, known.key) + (known.section == section ? 0 : 1);
+    if (distance < least) least = distance, best = &known;
   }
-  return value;
+  return best == nullptr ? "" : joined(best->section, best->key);
 }
 
-YAML::Node yaml_document(const std::string& text, const std::string& file) {
-  if (text.size() > kLongestText) throw config_error(file, 0, "expected at most 1 MiB of YAML");
-  try {
-    std::istringstream stream(text);
-    YAML::Parser parser(stream);
-    StructureCheck check(file);
-    while (parser.HandleNextDocument(check)) {
-    }
-    return YAML::Load(text);
-  } catch (const YAML::Exception& e) {
-    throw config_error(file, line_of(e.mark), "not valid YAML: " + printable(e.msg));
+void YamlSection::Document::refuse_unknown(const YamlNode& node, const std::string& name) const {
+  for (std::size_t k = 0; k < node.items.size(); ++k) {
+    const YamlNode& item = node.items[k];
+    const bool has_key = item.key_line > 0;
+    const std::string full = has_key ? joined(name, item.key) : fmt::format("{}[{}]", name, k);
+    if (has_key && !item.asked)
+      throw file_error(error, file, item.key_line, unknown_key_message(full, nearest(name, item.key)));
+    refuse_unknown(item, full);
   }
 }
 
-std::string read_small_file(const std::string& path) {
-  std::ifstream file(path, std::ios::binary);
-  if (!file) throw config_error(path, 0, fmt::format("cannot be opened: {}", std::strerror(errno)));
-  std::string text(kLongestText + 1, '\0');  // one byte more than allowed tells a file that is too long
-  file.read(text.data(), static_cast<std::streamsize>(text.size()));
-  if (file.bad()) throw config_error(path, 0, "cannot be read (is it a folder?)");
-  text.resize(static_cast<std::size_t>(file.gcount()));
-  return text;
+YamlSection::YamlSection(const std::string& text, const std::string& file, const YamlRules& rules)
+    : document_(
+          std::make_shared<Document>(Document{file, rules.error, yaml_tree(text, file, rules), {}, {}})),
+      node_(&document_->root) {
+  expect_group();
 }
 
-YamlSection::YamlSection(const YAML::Node& node, std::string file, std::string name)
-    : file_(std::move(file)), name_(std::move(name)) {
-  if (!node.IsDefined()) return;
-  line_ = line_of(node.Mark());
-  if (!node.IsMap()) {
-    throw config_error(file_, line_,
-                       fmt::format("{}expected 'key: value' lines, got {}", name_.empty() ? "" : name_ + ": ",
-                                   described(node)));
+YamlSection::YamlSection(std::shared_ptr<Document> document, YamlNode* node, std::string name)
+    : document_(std::move(document)), node_(node), name_(std::move(name)) {
+  expect_group();
+}
+
+void YamlSection::expect_group() {
+  if (node_ == nullptr || node_->kind == YamlKind::group) return;
+  const bool is_item = node_->key_line == 0 && !name_.empty();  // of a list, which has no empty groups
+  if (node_->kind != YamlKind::nothing || is_item) {
+    throw error_at(place_of(*node_),
+                   fmt::format("{}expected lines of 'key: value', got {}", name_.empty() ? "" : name_ + ": ",
+                               described(node_->kind, node_->text)));
   }
-  for (const auto& entry : node) {
-    if (!entry.first.IsScalar())
-      throw config_error(file_, line_of(entry.first.Mark()), "expected a name as key");
-    const std::string key = entry.first.Scalar();
-    const auto same = [&](const auto& earlier) { return earlier.first == key; };
-    if (std::any_of(entries_.begin(), entries_.end(), same)) {
-      throw config_error(file_, line_of(entry.first.Mark()),
-                         fmt::format("duplicate key '{}'", printable(full_name(key))));
-    }
-    entries_.emplace_back(key, entry.second);
-  }
+  node_ = nullptr;
 }
 
 std::string YamlSection::full_name(const std::string& key) const {
-  return name_.empty() ? key : name_ + "." + key;
+  return joined(name_, key);
 }
 
-Error YamlSection::error(const std::string& key, const std::string& message) const {
-  std::size_t line = line_;
-  for (const auto& [name, value] : entries_) {
-    if (name == key) line = line_of(value.Mark());
+YamlNode* YamlSection::find(const std::string& key) const {
+  document_->asked.push_back({name_, key});
+  if (node_ == nullptr) return nullptr;
+  for (YamlNode& item : node_->items) {
+    if (item.key != key) continue;
+    item.asked = true;
+    return &item;
   }
-  return config_error(file_, line, full_name(key) + " " + message);
+  return nullptr;
 }
 
-YAML::Node YamlSection::node(const std::string& key) {
-  if (std::find(asked_.begin(), asked_.end(), key) == asked_.end()) asked_.push_back(key);
-  for (const auto& [name, value] : entries_) {
-    if (name == key) return value;
+std::vector<std::string> YamlSection::keys() const {
+  std::vector<std::string> names;
+  if (node_ == nullptr) return names;
+  for (const YamlNode& item : node_->items) names.push_back(item.key);
+  return names;
+}
+
+std::size_t YamlSection::line(const std::string& path) const {
+  const YamlNode* node = node_;
+  std::string rest = path;
+  while (node != nullptr && !rest.empty()) {
+    const std::size_t dot = std::min(rest.find('.'), rest.size());
+    const auto found = std::find_if(node->items.begin(), node->items.end(), [&](const YamlNode& item) {
+      return item.key.compare(0, std::string::npos, rest, 0, dot) == 0;
+    });
+    node = found == node->items.end() ? nullptr : &*found;
+    rest.erase(0, dot + 1);
   }
-  return YAML::Node(YAML::NodeType::Undefined);
+  return node == nullptr ? 0 : node->key_line;
 }
 
-bool YamlSection::has(const std::string& key) {
-  return node(key).IsDefined();
+void YamlSection::require(const std::string& key) const {
+  if (!has(key)) document_->missing.push_back(error(key, "is missing"));
 }
 
-void YamlSection::require(const std::string& key) {
-  if (!has(key)) throw error(key, "is missing");
+void YamlSection::text(const std::string& key, std::string& target) const {
+  const YamlNode* node = find(key);
+  if (node == nullptr) return;
+  const bool scalar = node->kind == YamlKind::plain || node->kind == YamlKind::quoted;
+  if (!scalar || node->text.empty()) throw mismatch(*node, "a text");
+  target = node->text;
 }
 
-void YamlSection::number(const std::string& key, double& target, double low, double high) {
-  if (!has(key)) return;
-  const double value = number_of(node(key), file_, full_name(key));
-  if (value < low || value > high)
-    throw error(key, fmt::format("must be {} to {}, got {}", low, high, value));
-  target = value;
-}
-
-void YamlSection::integer(const std::string& key, int& target, int low, int high) {
-  if (!has(key)) return;
-  int value = 0;
-  if (!parse_scalar(node(key), value)) {
-    throw error(key, fmt::format("must be a whole number, got {}", described(node(key))));
+const std::vector<YamlNode>& YamlSection::list(const std::string& key, const std::string& expected,
+                                               std::size_t least, std::size_t most) const {
+  static const std::vector<YamlNode> none;
+  const YamlNode* node = find(key);
+  if (node == nullptr) return none;
+  if (node->kind != YamlKind::list) throw mismatch(*node, expected);
+  if (node->items.size() < least || node->items.size() > most) {
+    throw error_at(place_of(*node), fmt::format("{}: expected {}, got a list of {}", full_name(key), expected,
+                                                node->items.size()));
   }
-  if (value < low || value > high)
-    throw error(key, fmt::format("must be {} to {}, got {}", low, high, value));
-  target = value;
+  return node->items;
 }
 
-void YamlSection::seed(const std::string& key, std::uint64_t& target) {
-  if (!has(key)) return;
-  if (!parse_scalar(node(key), target)) {
-    throw error(key, fmt::format("must be a whole number from 0 to 2^64 - 1, got {}", described(node(key))));
-  }
+void YamlSection::numbers(const std::string& key, double* target, std::size_t count, double low, double high,
+                          const std::string& expected) const {
+  for (const YamlNode& item : list(key, expected, count, count))
+    *target++ = number_in(item, full_name(key), low, high);
 }
 
-void YamlSection::text(const std::string& key, std::string& target) {
-  if (!has(key)) return;
-  if (!node(key).IsScalar() || node(key).Scalar().empty()) {
-    throw error(key, fmt::format("must be a text, got {}", described(node(key))));
-  }
-  target = node(key).Scalar();
+YamlSection YamlSection::section(const std::string& key) const {
+  return YamlSection(document_, find(key), full_name(key));
 }
 
-void YamlSection::boolean(const std::string& key, bool& target) {
-  if (!has(key)) return;
-  const YAML::Node value = node(key);
-  const bool plain = value.IsScalar() && value.Tag() != "!";
-  if (!plain || (value.Scalar() != "true" && value.Scalar() != "false"))
-    throw error(key, fmt::format("must be true or false, got {}", described(value)));
-  target = value.Scalar() == "true";
-}
-
-std::size_t YamlSection::choice_index(const std::string& key, const std::vector<std::string>& names) {
-  const YAML::Node value = node(key);
-  for (std::size_t i = 0; i < names.size(); ++i) {
-    if (value.IsScalar() && value.Scalar() == names[i]) return i;
-  }
-  throw error(key, fmt::format("must be {}, got {}", joined(names), described(value)));
-}
-
-void YamlSection::numbers(const std::string& key, double* target, std::size_t count) {
-  if (!has(key)) return;
-  const YAML::Node list = node(key);
-  if (!list.IsSequence() || list.size() != count) {
-    throw error(key,
-                fmt::format("must be a list of {} numbers, got {}", count,
-                            list.IsSequence() ? fmt::format("{} values", list.size()) : described(list)));
-  }
-  for (std::size_t i = 0; i < count; ++i) target[i] = number_of(list[i], file_, full_name(key));
-}
-
-YamlSection YamlSection::section(const std::string& key) {
-  return YamlSection(node(key), file_, full_name(key));
-}
-
-std::vector<YamlSection> YamlSection::sections(const std::string& key) {
-  std::vector<YamlSection> list;
-  const YAML::Node nodes = node(key);
-  if (!nodes.IsDefined()) return list;
-  if (!nodes.IsSequence())
-    throw error(key, fmt::format("must be a list of groups, got {}", described(nodes)));
-  for (std::size_t k = 0; k < nodes.size(); ++k)
-    list.emplace_back(nodes[k], file_, fmt::format("{}[{}]", full_name(key), k));
-  return list;
+std::vector<YamlSection> YamlSection::sections(const std::string& key) const {
+  std::vector<YamlSection> groups;
+  YamlNode* node = find(key);
+  if (node == nullptr) return groups;
+  if (node->kind != YamlKind::list) throw mismatch(*node, "a list of groups");
+  for (std::size_t k = 0; k < node->items.size(); ++k)
+    groups.push_back(YamlSection(document_, &node->items[k], fmt::format("{}[{}]", full_name(key), k)));
+  return groups;
 }
 
 void YamlSection::finish() const {
-  for (const auto& entry : entries_) {
-    const std::string& key = entry.first;
-    if (std::find(asked_.begin(), asked_.end(), key) != asked_.end()) continue;
-    const std::size_t line = line_of(entry.second.Mark());
-    const std::string written = printable(full_name(key));
-    constexpr std::size_t longest_sensible = 100;  // bounds the work of a hostile key
-    if (asked_.empty() || key.size() > longest_sensible) {
-      throw config_error(file_, line, fmt::format("unknown key '{}'", written));
-    }
-    const auto nearest = std::min_element(asked_.begin(), asked_.end(), [&](const auto& a, const auto& b) {
-      return edit_distance(key, a) < edit_distance(key, b);
-    });
-    throw config_error(
-        file_, line,
-        fmt::format("unknown key '{}'; the nearest valid key is '{}'", written, full_name(*nearest)));
-  }
+  document_->refuse_unknown(document_->root, "");
+  if (!document_->missing.empty()) throw document_->missing.front();
+}
+
+double YamlSection::number_in(const YamlNode& node, const std::string& what, double low, double high) const {
+  double value = 0.0;
+  expect_number(node, what, read_number(node.kind, node.text, value, low, high));
+  return value;
+}
+
+void YamlSection::expect_number(const YamlNode& node, const std::string& what,
+                                const std::string& wrong) const {
+  if (!wrong.empty()) throw error_at(place_of(node), what + wrong);
+}
+
+Error YamlSection::error(const std::string& key, const std::string& message) const {
+  const std::size_t key_line = line(key);
+  const std::size_t group_line = node_ == nullptr ? 0 : node_->line;
+  return error_at(key_line > 0 ? key_line : group_line, full_name(key) + " " + message);
+}
+
+Error YamlSection::error_at(std::size_t line, const std::string& message) const {
+  return file_error(document_->error, document_->file, line, message);
+}
+
+Error YamlSection::mismatch(const YamlNode& node, const std::string& expected) const {
+  return error_at(place_of(node), fmt::format("{}: expected {}, got {}", full_name(node.key), expected,
+                                              described(node.kind, node.text)));
 }
 
 }  // namespace parloc

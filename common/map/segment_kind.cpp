@@ -1,13 +1,9 @@
 // Which kind of map a text is.
-#include <yaml-cpp/eventhandler.h>
-#include <yaml-cpp/exceptions.h>
-#include <yaml-cpp/parser.h>
-
 #include <array>
-#include <sstream>
 #include <string_view>
 
 #include "common/file/nearest_name.h"
+#include "common/file/yaml_reader.h"
 #include "common/map/segment_keys.h"
 #include "common/map/segment_map.h"
 
@@ -19,48 +15,24 @@ constexpr std::array<std::string_view, 6> kImageKeys = {"image", "origin",      
                                                         "mode",  "occupied_thresh", "free_thresh"};
 
 /// Stops at the first key that only one kind of map has, or that is nearest to one such.
-class KindOfMap : public YAML::EventHandler {
- public:
+struct KindOfMap : YamlEvents {
   struct Found {
     bool segments;
   };
 
-  void OnDocumentStart(const YAML::Mark&) override {}
-  void OnDocumentEnd() override { throw Found{false}; }
-  void OnNull(const YAML::Mark&, YAML::anchor_t) override { add(""); }
-  void OnAlias(const YAML::Mark&, YAML::anchor_t) override { throw Found{false}; }
-  void OnScalar(const YAML::Mark&, const std::string&, YAML::anchor_t, const std::string& value) override {
-    add(value);
-  }
-  void OnSequenceStart(const YAML::Mark&, const std::string&, YAML::anchor_t,
-                       YAML::EmitterStyle::value) override {
-    ++depth_;
-  }
-  void OnSequenceEnd() override { end(); }
-  void OnMapStart(const YAML::Mark&, const std::string&, YAML::anchor_t, YAML::EmitterStyle::value) override {
-    ++depth_;
-  }
-  void OnMapEnd() override { end(); }
-
- private:
-  void end() {
-    if (--depth_ == 1) at_key_ = true;
-  }
-  void add(const std::string& text) {
-    if (depth_ != 1) return;
-    if (at_key_ && text != "name" && text != "resolution") judge(text);
-    at_key_ = !at_key_;
-  }
-  static void judge(const std::string& key) {
+  void key(const std::string& name, std::size_t) override {
+    if (depth > 1 || name == "name" || name == "resolution") return;
     const auto distance_to = [&](const auto& names) {
-      const std::string_view nearest = nearest_name(key, names);
-      return edit_distance(key.substr(0, 100), nearest);
+      return edit_distance(name.substr(0, 100), nearest_name(name, names));
     };
     throw Found{distance_to(kSegmentKeys) < distance_to(kImageKeys)};
   }
+  void value(YamlKind kind, const std::string&, std::size_t) override {
+    if (kind == YamlKind::list || kind == YamlKind::group) ++depth;
+  }
+  void end() override { --depth; }
 
-  int depth_ = 0;
-  bool at_key_ = true;
+  int depth = 0;
 };
 
 }  // namespace
@@ -68,12 +40,10 @@ class KindOfMap : public YAML::EventHandler {
 bool is_segment_yaml(const std::string& text) {
   try {
     KindOfMap kind;
-    std::istringstream stream(text);
-    YAML::Parser parser(stream);
-    parser.HandleNextDocument(kind);
+    read_yaml(text, "", {"a map", static_cast<std::size_t>(-1), ErrorKind::input, true}, kind);
   } catch (const KindOfMap::Found& found) {
     return found.segments;
-  } catch (const YAML::Exception&) {
+  } catch (const Error&) {
   }
   return false;
 }

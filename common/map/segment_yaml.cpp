@@ -1,21 +1,16 @@
 // Segment maps in YAML: lists of segments, polylines and polygons.
 #include <fmt/format.h>
-#include <yaml-cpp/eventhandler.h>
-#include <yaml-cpp/exceptions.h>
-#include <yaml-cpp/mark.h>
-#include <yaml-cpp/parser.h>
 
 #include <algorithm>
 #include <array>
-#include <charconv>
 #include <cmath>
-#include <sstream>
 #include <string_view>
 #include <vector>
 
 #include "common/error.h"
 #include "common/file/nearest_name.h"
 #include "common/file/text_fields.h"
+#include "common/file/yaml_section.h"
 #include "common/map/map_limits.h"
 #include "common/map/segment_keys.h"
 #include "common/map/segment_map.h"
@@ -24,13 +19,9 @@
 namespace parloc {
 namespace {
 
-std::size_t line_of(const YAML::Mark& mark) {
-  return mark.line < 0 ? 0 : static_cast<std::size_t>(mark.line) + 1;
-}
-
 /// Turns the events of a YAML text into walls as they come, so that memory grows with the walls only, every
 /// message has its line, and nothing can nest deeper than a polygon does.
-class SegmentEvents : public YAML::EventHandler {
+class SegmentEvents : public YamlEvents {
  public:
   explicit SegmentEvents(const std::string& file) : file_(file) {}
 
@@ -41,36 +32,27 @@ class SegmentEvents : public YAML::EventHandler {
     });
   }
 
-  void OnDocumentStart(const YAML::Mark& mark) override {
-    if (++documents_ > 1) fail(line_of(mark), "expected one YAML document, found a second one");
+  void key(const std::string& name, std::size_t line) override {
+    if (std::find(kSegmentKeys.begin(), kSegmentKeys.end(), name) == kSegmentKeys.end())
+      fail(line, unknown_key_message(name, nearest_name(name, kSegmentKeys)));
+    key_ = name;
+    items_ = 0;
   }
-  void OnDocumentEnd() override {}
-  void OnAlias(const YAML::Mark& mark, YAML::anchor_t) override {
-    fail(line_of(mark), "aliases ('*name') are not allowed");
+  void value(YamlKind kind, const std::string& text, std::size_t line) override {
+    if (kind == YamlKind::group) {
+      if (in_map_) fail(line, expected_here() + ", found a group, or a '[' that is not closed");
+      in_map_ = true;
+    } else if (kind == YamlKind::list) {
+      begin_list(line);
+    } else {
+      add_text(kind, text, line);
+    }
   }
-  void OnNull(const YAML::Mark& mark, YAML::anchor_t) override { add_text(line_of(mark), ""); }
-  void OnScalar(const YAML::Mark& mark, const std::string&, YAML::anchor_t,
-                const std::string& value) override {
-    add_text(line_of(mark), value);
-  }
-  void OnMapStart(const YAML::Mark& mark, const std::string&, YAML::anchor_t,
-                  YAML::EmitterStyle::value) override {
-    if (in_map_ || depth_ > 0)
-      fail(line_of(mark), expected_here() + ", found a group, or a '[' that is not closed");
-    in_map_ = true;
-  }
-  void OnMapEnd() override {}
-  void OnSequenceStart(const YAML::Mark& mark, const std::string&, YAML::anchor_t,
-                       YAML::EmitterStyle::value) override {
-    if (key_.empty() || depth_ == deepest()) fail(line_of(mark), expected_here() + ", found a list");
-    ++depth_;
-    if (depth_ == 2) item_line_ = line_of(mark), points_.clear();
-    if (depth_ == deepest()) numbers_ = 0;
-  }
-  void OnSequenceEnd() override {
+  void end() override {
+    if (depth_ == 0) return;  // of the map
     if (depth_ == deepest()) end_numbers();
     if (depth_ == 2) end_item();
-    if (--depth_ == 0) key_.clear();
+    --depth_;
   }
 
  private:
@@ -82,7 +64,7 @@ class SegmentEvents : public YAML::EventHandler {
     try {
       return work();
     } catch (const BrokenWall& broken) {
-      fail(line, key_.empty() ? broken.why : fmt::format("{}: {}", place(), broken.why));
+      fail(line, line == 0 ? broken.why : fmt::format("{}: {}", place(), broken.why));
     }
   }
   bool is_list_key() const { return key_ == "segments" || key_ == "polylines" || key_ == "polygons"; }
@@ -93,62 +75,35 @@ class SegmentEvents : public YAML::EventHandler {
 
   std::string expected_here() const {
     if (!in_map_) return "expected lines of 'key: value'";
-    if (key_.empty()) return "expected a key";
     if (key_ == "segments") return "segments: expected a list of [ax, ay, bx, by] in metres";
     if (is_list_key()) return fmt::format("{}: expected a list of lists of points [x, y] in metres", key_);
     return fmt::format("{}: expected a single value", key_);
   }
 
-  void add_text(std::size_t line, const std::string& text) {
-    if (!in_map_) fail(line, expected_here());
-    if (key_.empty()) return begin_key(line, text);
-    if (is_list_key()) {
-      if (depth_ != deepest()) fail(line, fmt::format("{}, found '{}'", expected_here(), printable(text)));
-      return add_number(line, text);
-    }
+  void begin_list(std::size_t line) {
+    if (!in_map_ || depth_ == deepest()) fail(line, expected_here() + ", found a list");
+    ++depth_;
+    if (depth_ == 2) item_line_ = line, points_.clear();
+    if (depth_ == deepest()) numbers_ = 0;
+  }
+
+  void add_text(YamlKind kind, const std::string& text, std::size_t line) {
+    if (!in_map_ || (is_list_key() && depth_ != deepest()))
+      fail(line, fmt::format("{}, found {}", expected_here(), described(kind, text)));
+    if (is_list_key()) return add_number(line, text);
     if (key_ == "name") map_.name = text;
-    if (key_ == "resolution") map_.resolution_m = resolution_of(line, text);
-    key_.clear();
-  }
-
-  void begin_key(std::size_t line, const std::string& key) {
-    if (std::find(kSegmentKeys.begin(), kSegmentKeys.end(), key) == kSegmentKeys.end()) {
-      fail(line, fmt::format("unknown key '{}'; the nearest valid key is '{}'", printable(key),
-                             nearest_name(key, kSegmentKeys)));
+    if (key_ == "resolution") {
+      const std::string wrong =
+          read_number(kind, text, map_.resolution_m, kFinestResolution_m, kCoarsestResolution_m);
+      if (!wrong.empty()) fail(line, key_ + wrong);
     }
-    for (const auto& [earlier, earlier_line] : seen_) {
-      if (earlier == key) fail(line, fmt::format("duplicate key '{}', first on line {}", key, earlier_line));
-    }
-    seen_.emplace_back(key, line);
-    key_ = key;
-    items_ = 0;
-  }
-
-  double number_of(std::size_t line, const std::string& text) const {
-    std::string_view digits = text;
-    if (digits.size() > 1 && digits[0] == '+' && digits[1] != '-')
-      digits.remove_prefix(1);  // from_chars knows no '+'
-    double value = 0.0;
-    const auto [end, status] = std::from_chars(digits.data(), digits.data() + digits.size(), value);
-    if (status != std::errc() || end != digits.data() + digits.size()) {
-      fail(line,
-           fmt::format("{}: expected a number, found '{}'", is_list_key() ? place() : key_, printable(text)));
-    }
-    return value;
-  }
-
-  double resolution_of(std::size_t line, const std::string& text) const {
-    const double value_m = number_of(line, text);
-    if (!(value_m >= kFinestResolution_m && value_m <= kCoarsestResolution_m)) {
-      fail(line, fmt::format("resolution must be {:g} to {:g}, got {}", kFinestResolution_m,
-                             kCoarsestResolution_m, printable(text)));
-    }
-    return value_m;
   }
 
   void add_number(std::size_t line, const std::string& text) {
     number_line_ = line;
-    const double value_m = number_of(line, text);
+    double value_m = 0.0;
+    if (parse_number(text, value_m) != std::errc{})
+      fail(line, fmt::format("{}: expected a number, found '{}'", place(), printable(text)));
     guarded(line, [&] { WallCollector::checked(value_m); });
     if (numbers_ < numbers_expected()) values_[numbers_] = value_m;
     ++numbers_;
@@ -174,8 +129,7 @@ class SegmentEvents : public YAML::EventHandler {
   const std::string& file_;
   SegmentMap map_;
   WallCollector walls_;
-  std::vector<std::pair<std::string, std::size_t>> seen_;
-  std::string key_;  ///< Whose value is being read; empty between values.
+  std::string key_;  ///< Whose value is being read.
   std::size_t items_ = 0;
   std::size_t item_line_ = 0, number_line_ = 0;
   std::vector<MapPoint> points_;
@@ -183,26 +137,13 @@ class SegmentEvents : public YAML::EventHandler {
   std::size_t numbers_ = 0;
   int depth_ = 0;
   bool in_map_ = false;
-  int documents_ = 0;
 };
 
 }  // namespace
 
 SegmentMap segment_map_from_yaml(const std::string& text, const std::string& name) {
-  if (text.size() > kLongestSegmentFile) {
-    throw input_error(
-        name, 0,
-        fmt::format("expected a segment map of at most {} MiB", kLongestSegmentFile / (1024 * 1024)));
-  }
   SegmentEvents events(name);
-  try {
-    std::istringstream stream(text);
-    YAML::Parser parser(stream);
-    while (parser.HandleNextDocument(events)) {
-    }
-  } catch (const YAML::Exception& e) {
-    throw input_error(name, line_of(e.mark), "not valid YAML: " + printable(e.msg));
-  }
+  read_yaml(text, name, {"a segment map", kLongestSegmentFile, ErrorKind::input, true}, events);
   return events.take();
 }
 

@@ -5,6 +5,9 @@
 #include <algorithm>
 #include <cmath>
 #include <string>
+#include <utility>
+
+#include "common/error.h"
 
 namespace parloc {
 namespace {
@@ -140,6 +143,7 @@ void add_settings(Settings& s, SensorConfig& sensor) {
 NamedSettings named_settings(std::vector<LidarConfig>& lidars) {
   static LidarConfig example = example_lidar();
   NamedSettings named;
+  named.a_thing = "a LiDAR";
   named.group = {
       kLidars,
       "What the log does not say of a LiDAR, or says wrongly: an entry for each, by its name in the log."};

@@ -1,37 +1,19 @@
-// From the text of a file to the values of settings.
+// From the groups of a file to the values of settings.
 #pragma once
 
 #include <optional>
-#include <string>
-#include <vector>
 
-#include "common/settings/settings_entries.h"
+#include "common/file/yaml_section.h"
+#include "common/settings/setting.h"
 
 namespace parloc {
 
-/// The text of a file of settings. Throws Error{config} if it cannot be read; a text longer than any that is
-/// read is cut.
-std::string read_settings_file(const std::string& path);
-
-/// A text, and what is to be made of it. All functions throw Error{config} with file:line for a wrong type or
-/// a value out of its range (naming the range).
-class SettingsText {
- public:
-  /// Throws as settings_entries().
-  SettingsText(const std::string& text, std::string file, const Settings& known);
-
-  /// Null if the text does not have it.
-  const SettingsEntry* find(const std::string& name) const;
-  /// Sets the setting of that name only.
-  void set(Settings& to, const std::string& name) const;
-  void set_all(Settings& to) const;
-  /// Throws at the line of the setting to blame, if there is one.
-  void require_none(const std::optional<Violation>& violation) const;
-  [[noreturn]] void fail(const SettingsEntry* entry, const std::string& message) const;
-
- private:
-  std::string file_;
-  std::vector<SettingsEntry> entries_;
-};
+/// Gives the settings that the file has their value. Throws as YamlSection for a wrong type or a value out of
+/// its range; top.finish() then for a key that is none of them.
+void read_settings(const YamlSection& top, const Settings& settings);
+/// Only the one of that name.
+void read_setting(const YamlSection& top, const Settings& settings, const std::string& name);
+/// Throws at the line of the setting to blame, if there is one.
+void require_none(const YamlSection& top, const std::optional<Violation>& violation);
 
 }  // namespace parloc

@@ -6,6 +6,7 @@
 #include <map>
 
 #include "common/error.h"
+#include "common/file/yaml_section.h"
 
 namespace parloc {
 namespace {
@@ -16,19 +17,6 @@ struct Overloaded : Cases... {
 };
 template <class... Cases>
 Overloaded(Cases...) -> Overloaded<Cases...>;
-
-template <class Number>
-std::string limits_text(const Limits<Number>& limits) {
-  return limits.above_low ? fmt::format("above {} and at most {}", limits.low, limits.high)
-                          : fmt::format("{} to {}", limits.low, limits.high);
-}
-
-std::string choices_text(const std::vector<const char*>& names) {
-  std::string text = names[0];
-  for (std::size_t i = 1; i < names.size(); ++i)
-    text += (i + 1 < names.size() ? ", " : " or ") + std::string(names[i]);
-  return text;
-}
 
 /// False for NaN too.
 template <class Number>
@@ -50,16 +38,11 @@ bool is_setting_name(std::string_view name) {
   return !name.empty() && name.size() <= 40 && std::all_of(name.begin(), name.end(), allowed);
 }
 
-std::string printable(std::string_view text) {
-  constexpr std::size_t longest = 60;
-  std::string out(text.substr(0, longest));
-  for (char& c : out)
-    if (static_cast<unsigned char>(c) < 0x20 || c == 0x7f) c = '?';
-  return text.size() > longest ? out + "..." : out;
-}
-
 std::string allowed_text(const Setting& setting) {
-  return std::visit(Overloaded{[](const auto& number) { return limits_text(number.limits); },
+  return std::visit(Overloaded{[](const auto& number) {
+                                 return limits_text(number.limits.low, number.limits.high,
+                                                    number.limits.above_low);
+                               },
                                [](const FlagSetting&) { return std::string("true or false"); },
                                [](const ChoiceSetting& choice) { return choices_text(choice.names); }},
                     setting.value);

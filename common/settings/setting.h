@@ -71,10 +71,10 @@ struct NumberSetting {
 using FlagSetting = Slot<bool>;
 /// An enumeration, by the names of its values.
 struct ChoiceSetting {
-  std::vector<const char*> names;
+  std::vector<std::pair<const char*, std::size_t>> names;  ///< Each with its index.
   std::function<std::optional<int>()> number;  ///< The value as a number; nothing if it is missing.
   std::function<const char*()> name;           ///< Null for a number that none of the names stands for.
-  std::function<void(std::size_t k)> choose;   ///< The value of names[k].
+  std::function<void(std::size_t k)> choose;   ///< Makes it the value of names[k].
 };
 
 /// One setting of a file.
@@ -99,6 +99,7 @@ struct SettingGroup {
 /// Settings of things that a file names: "lidars:", "  front:", and settings of each below.
 struct NamedSettings {
   SettingGroup group;
+  const char* a_thing = "";                         ///< "a LiDAR"; for messages.
   std::function<std::vector<std::string>()> names;  ///< Those that there are.
   /// One thing's settings, their group "lidars.front"; it is made if there is none of that name.
   std::function<std::vector<Setting>(const std::string& name)> of;
@@ -109,9 +110,6 @@ struct NamedSettings {
 /// What a name in a group of named settings may be.
 inline constexpr const char* kExpectedName = "expected 1 to 40 letters, digits, '_' or '-'";
 bool is_setting_name(std::string_view name);
-
-/// Text from a file, fit for one line of a message: at most 60 characters, no control characters.
-std::string printable(std::string_view text);
 
 /// What may be wrong with settings, for a reader that knows the line.
 struct Violation {
@@ -152,7 +150,7 @@ class Settings {
   template <class Enum>
   static ChoiceSetting by_name(Slot<Enum> slot, const std::vector<Choice<Enum>>& choices) {
     ChoiceSetting setting;
-    for (const Choice<Enum>& choice : choices) setting.names.push_back(choice.name);
+    for (const Choice<Enum>& choice : choices) setting.names.emplace_back(choice.name, setting.names.size());
     setting.number = [slot]() -> std::optional<int> {
       const Enum* value = slot.get();
       return value != nullptr ? std::optional(static_cast<int>(*value)) : std::nullopt;

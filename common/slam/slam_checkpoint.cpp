@@ -91,8 +91,9 @@ void SlamCheckpoint::open(std::unique_ptr<std::istream> in) {
   const std::uint64_t size = seek_content(*in_, name_);
   rest_ = std::make_unique<ByteReader>(*in_, size, name_);
   try {
-    Settings settings = settings_of(saved_config_);
-    SettingsText(rest_->get_text(), name_, settings).set_all(settings);
+    const YamlSection top(rest_->get_text(), name_, {"settings", 64 * 1024, ErrorKind::input});
+    read_settings(top, settings_of(saved_config_));
+    top.finish();
     validate(saved_config_);
     bind_propose_rules(saved_config_.slam);  // refuses what a backend would
   } catch (const Error& e) {

@@ -28,6 +28,8 @@ includes cpu | grep -E ' (cuda[a-z_]*\.h|cub/.*|thrust/.*)$' | fail "cpu has no 
 includes cuda | grep -E ' omp\.h$' | fail "cuda has no OpenMP" || true
 grep -rlE --include='*.h' --include='*.cpp' --include='*.cu' '^[[:space:]]*#[[:space:]]*include[[:space:]]*[<"]Eigen/' common cpu cuda tools tests |
   grep -vx common/slam/loops/pose_graph.cpp | fail "Eigen is included in common/slam/loops/pose_graph.cpp alone" || true
+includes common cpu cuda tools tests | grep -E ' yaml-cpp/' | grep -v '^common/file/yaml_reader\.cpp:' |
+  fail "yaml-cpp is known to one file" || true
 # Paths are written from the repository's root, so that this very test can read them.
 grep -rnE --include='*.h' --include='*.cpp' --include='*.cu' --include='*.cuh' '^[[:space:]]*#[[:space:]]*include[[:space:]]*"' \
   common cpu cuda tools tests/unit tests/system tests/fuzz |

@@ -53,25 +53,24 @@ TEST(Config, EachMistakeHasOneClearLine) {
       // Duplicates.
       {"seed: 1\nparticles: 2\nseed: 3\n", "c.yaml:3: duplicate key 'seed', first on line 1"},
       {"scan: {max_beams: 9, max_beams: 9}\n", "c.yaml:1: duplicate key 'scan.max_beams', first on line 1"},
-      {"scan:\n  max_beams: 9\nscan:\n  min_beams: 2\n", "c.yaml:3: duplicate group 'scan'"},
+      {"scan:\n  max_beams: 9\nscan:\n  min_beams: 2\n", "c.yaml:3: duplicate key 'scan', first on line 1"},
       // Types.
       {"initial_sigma_xy: abc\n", "c.yaml:1: initial_sigma_xy: expected a number, got 'abc'"},
       {"initial_sigma_xy: 0.1m\n", "c.yaml:1: initial_sigma_xy: expected a number, got '0.1m'"},
       {"initial_sigma_xy: .inf\n", "c.yaml:1: initial_sigma_xy: expected a number, got '.inf'"},
-      {"initial_sigma_xy: nan\n", "c.yaml:1: initial_sigma_xy: expected a finite number, got 'nan'"},
+      {"initial_sigma_xy: nan\n", "c.yaml:1: initial_sigma_xy must be 0 to 1000, got nan"},
       {"initial_sigma_xy: 0,1\n", "c.yaml:1: initial_sigma_xy: expected a number, got '0,1'"},
       {"initial_sigma_xy: +-1\n", "c.yaml:1: initial_sigma_xy: expected a number, got '+-1'"},
       {"particles: 2000.0\n", "c.yaml:1: particles: expected a whole number, got '2000.0'"},
       {"particles: \"2000\"\n", "c.yaml:1: particles: expected a whole number, got the text \"2000\""},
       {"particles:\n", "c.yaml:1: particles: expected a whole number, got nothing"},
       {"particles: null\n", "c.yaml:1: particles: expected a whole number, got nothing"},
-      {"particles: [1, 2]\n", "c.yaml:1: expected a single value for 'particles', got a list"},
-      {"particles:\n  seed: 1\n", "c.yaml:2: expected a single value for 'particles', got a group"},
+      {"particles: [1, 2]\n", "c.yaml:1: particles: expected a whole number, got a list"},
+      {"particles:\n  seed: 1\n", "c.yaml:2: particles: expected a whole number, got a group"},
       {"motion:\n  symmetric: yes\n", "c.yaml:2: motion.symmetric: expected true or false, got 'yes'"},
       {"motion:\n  form: gauss\n", "c.yaml:2: motion.form: expected seed or thrun, got 'gauss'"},
       {"sensor:\n  caster: DDA\n", "c.yaml:2: sensor.caster: expected skip, dda or fixed_step, got 'DDA'"},
-      {"motion: 3\n",
-       "c.yaml:1: 'motion' is a group: expected indented 'key: value' lines below it, got '3'"},
+      {"motion: 3\n", "c.yaml:1: motion: expected lines of 'key: value', got '3'"},
       {"- particles\n", "c.yaml:1: expected lines of 'key: value', got a list"},
       {"particles 5\n", "c.yaml:1: expected lines of 'key: value', got 'particles 5'"},
       // Values.
@@ -103,9 +102,9 @@ TEST(Config, EachMistakeHasOneClearLine) {
        "c.yaml:3: sensor.z_rand must be above 0, else a single beam can rule out every particle"},
       // YAML that a configuration has no use for.
       {"seed: &a 1\n", "c.yaml:1: anchors ('&name') are not allowed"},
-      {"seed: 1\n---\nseed: 2\n", "c.yaml:2: expected one document, found a second one ('---')"},
+      {"seed: 1\n---\nseed: 2\n", "c.yaml:2: expected one document, found a second one"},
       {"seed: !!int 1\n", "c.yaml:1: type tags are not allowed, got 'tag:yaml.org,2002:int'"},
-      {"? [1, 2]\n: 3\n", "c.yaml:1: expected lines of 'key: value', got a list"},
+      {"? [1, 2]\n: 3\n", "c.yaml:1: expected a key, got a list, or a bracket that is not closed"},
   };
   for (const Mistake& mistake : mistakes)
     EXPECT_EQ(message_for(mistake.yaml), mistake.message) << mistake.yaml;
@@ -186,7 +185,7 @@ struct Changer {
   }
   void operator()(const FlagSetting& flag) const { flag.set(!*flag.get()); }
   void operator()(const ChoiceSetting& choice) const {
-    const bool is_first = choice.name() == choice.names.front();
+    const bool is_first = choice.name() == std::string(choice.names.front().first);
     choice.choose(is_first ? choice.names.size() - 1 : 0);
   }
   bool is_share;
@@ -239,23 +238,21 @@ TEST(Config, TheExampleOfALidarIsValid) {
 
 TEST(Config, MistakesInLidarsHaveOneClearLine) {
   const std::vector<Mistake> mistakes{
-      {"lidars: 3\n",
-       "c.yaml:1: 'lidars' is a group: expected indented 'key: value' lines below it, got '3'"},
-      {"lidars: [1]\n", "c.yaml:1: expected indented lines below 'lidars', got a list"},
-      {"lidars:\n  front: 3\n",
-       "c.yaml:2: 'lidars.front' is a group: expected indented 'key: value' lines below it, got '3'"},
-      {"lidars:\n  front: [3]\n", "c.yaml:2: expected indented lines below 'lidars.front', got a list"},
+      {"lidars: 3\n", "c.yaml:1: lidars: expected lines of 'key: value', got '3'"},
+      {"lidars: [1]\n", "c.yaml:1: lidars: expected lines of 'key: value', got a list"},
+      {"lidars:\n  front: 3\n", "c.yaml:2: lidars.front: expected lines of 'key: value', got '3'"},
+      {"lidars:\n  front: [3]\n", "c.yaml:2: lidars.front: expected lines of 'key: value', got a list"},
       {"lidars:\n  front:\n    yav: 0\n",
        "c.yaml:3: unknown key 'lidars.front.yav'; the nearest valid key is 'lidars.front.yaw'"},
-      {"lidars:\n  front:\n    x: {a: 1}\n",
-       "c.yaml:3: expected a single value for 'lidars.front.x', got a group"},
+      {"lidars:\n  front:\n    x: {a: 1}\n", "c.yaml:3: lidars.front.x: expected a number, got a group"},
       {"lidars:\n  front:\n    yaw: left\n", "c.yaml:3: lidars.front.yaw: expected a number, got 'left'"},
       {"lidars:\n  front:\n    yaw: 90\n", "c.yaml:3: lidars.front.yaw must be -6.3 to 6.3, got 90"},
       {"lidars:\n  front:\n    upside_down: 1\n",
        "c.yaml:3: lidars.front.upside_down: expected true or false, got '1'"},
       {"lidars:\n  front:\n    stamp_at: end\n",
        "c.yaml:3: lidars.front.stamp_at: expected first, middle or last, got 'end'"},
-      {"lidars:\n  front: {x: 1}\n  front: {y: 1}\n", "c.yaml:3: duplicate group 'lidars.front'"},
+      {"lidars:\n  front: {x: 1}\n  front: {y: 1}\n",
+       "c.yaml:3: duplicate key 'lidars.front', first on line 2"},
       {"lidars:\n  front: {x: 1, x: 2}\n", "c.yaml:2: duplicate key 'lidars.front.x', first on line 2"},
       {"lidars:\n  a b: {x: 1}\n",
        "c.yaml:2: lidars: 'a b' is no name of a LiDAR: expected 1 to 40 letters, digits, '_' or '-'"},

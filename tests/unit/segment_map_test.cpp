@@ -97,7 +97,7 @@ TEST(SegmentYaml, EveryErrorSaysWhereAndWhat) {
        "walls:1: segments: expected a list of [ax, ay, bx, by] in metres, found '0'"},
       {"segments: [[[0, 0, 1, 0]]]", "found a list"},
       {"segments: 3", "found '3'"},
-      {"segments:", "found ''"},
+      {"segments:", "found nothing"},
       {"segments: {a: 1}", "found a group"},
       {"segments: [[0, 0, 1, left]]", "segments[0]: expected a number, found 'left'"},
       {"segments: [[0, 0, 1, nan]]", "segments[0]: expected coordinates from -1e+08 to 1e+08 m"},
@@ -119,7 +119,7 @@ TEST(SegmentYaml, EveryErrorSaysWhereAndWhat) {
       {"segments: []\n", "walls: expected at least one segment, found none"},
       {"", "expected at least one segment"},
       {"- [0, 0, 1, 0]\n", "expected lines of 'key: value', found a list"},
-      {"segments: [[0, 0, 1, 0]]\n---\nname: b\n", "expected one YAML document"},
+      {"segments: [[0, 0, 1, 0]]\n---\nname: b\n", "walls:2: expected one document, found a second one"},
       {"segments: &a [[0, 0, 1, 0]]\npolylines: *a\n", "aliases"},
       {"segments: [[0, 0, 1, 0]", "walls:1: segments: expected a list"},  // the end is missing
       {"segments: \"[[0", "walls:1: not valid YAML"},
