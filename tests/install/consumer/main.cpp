@@ -108,7 +108,7 @@ bool is_mapped(parloc::GridSlamConfig config, const parloc::GridMap& room_map) {
   const double width_m = map.width * map.resolution_m, height_m = map.height * map.resolution_m;
   const parloc::Trajectory trajectory = slam.trajectory();
   std::printf("mapped: %d x %d cells, %.2f x %.2f m\n", map.width, map.height, width_m, height_m);
-  return trajectory.size() == 13 && is_near("way", trajectory.back().pose, moved) &&
+  return trajectory.size() == 13 && is_near("trajectory", trajectory.back().pose, moved) &&
          std::abs(width_m - 8.0) < 0.3 && std::abs(height_m - 5.0) < 0.3;
 }
 
