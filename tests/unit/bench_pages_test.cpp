@@ -16,10 +16,10 @@
 #include "tools/bench/tables.h"
 #include "tools/bench/tables_run.h"
 #include "tools/bench/variants.h"
-#include "tools/report/numbers.h"
-#include "tools/report/table.h"
+#include "tools/report/text/numbers.h"
+#include "tools/report/text/table.h"
 
-namespace parloc::bench {
+namespace parloc::tools::bench {
 namespace {
 
 using Json = nlohmann::json;
@@ -81,7 +81,7 @@ Results made_up(bool scale) {
   const Place place{"no_hit", "tracking"};
   const auto add = [&](Sweep sweep, std::size_t v, std::int64_t n, int m, double rays_per_s) {
     Row row{sweep, place, v, n, m, {}, {}};
-    row.time = summarise({static_cast<double>(n) * m / rays_per_s});
+    row.time = summarise_times({static_cast<double>(n) * m / rays_per_s});
     if (scale) row.stages = StageSeconds{1e-6, 1e-6, row.time.median_s, 1e-5, 1e-5, 1e-5};
     r.rows.push_back(row);
   };
@@ -195,4 +195,4 @@ TEST(Pages, JsonHasEverything) {
 }
 
 }  // namespace
-}  // namespace parloc::bench
+}  // namespace parloc::tools::bench

@@ -23,7 +23,7 @@
 #include "tools/bench/tables_run.h"
 #include "tools/bench/variants.h"
 
-namespace parloc::bench {
+namespace parloc::tools::bench {
 namespace {
 
 using Json = nlohmann::json;
@@ -391,4 +391,4 @@ TEST(Scale, SizesAreThoseOfTheDocumentation) {
 }
 
 }  // namespace
-}  // namespace parloc::bench
+}  // namespace parloc::tools::bench

@@ -9,14 +9,14 @@
 
 #include "common/error.h"
 #include "tests/unit/decoded_png.h"
-#include "tools/report/html_text.h"
 #include "tools/report/map_view.h"
-#include "tools/report/plot_axis.h"
-#include "tools/report/png_writer.h"
+#include "tools/report/pictures/png_writer.h"
+#include "tools/report/plots/plot_axis.h"
+#include "tools/report/plots/svg_plot.h"
 #include "tools/report/report_sections.h"
-#include "tools/report/svg_plot.h"
+#include "tools/report/text/html_text.h"
 
-namespace parloc {
+namespace parloc::tools {
 namespace {
 
 constexpr double nan = std::numeric_limits<double>::quiet_NaN();
@@ -148,4 +148,4 @@ TEST(EvenlySpaced, KeepsTheEnds) {
 }
 
 }  // namespace
-}  // namespace parloc
+}  // namespace parloc::tools

@@ -17,9 +17,9 @@
 
 #include "common/error.h"
 #include "tests/unit/decoded_png.h"
-#include "tools/report/html_text.h"
+#include "tools/report/text/html_text.h"
 
-namespace parloc {
+namespace parloc::tools {
 namespace {
 
 constexpr double nan = std::numeric_limits<double>::quiet_NaN();
@@ -462,4 +462,4 @@ TEST_F(ReportTest, RefusesAMapThatDoesNotFitItsCells) {
 }
 
 }  // namespace
-}  // namespace parloc
+}  // namespace parloc::tools

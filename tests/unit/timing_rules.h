@@ -3,7 +3,7 @@
 
 #include "tools/bench/measure.h"
 
-namespace parloc::bench {
+namespace parloc::tools::bench {
 
 inline TimingRules rules_of(double seconds, int least, int most) {
   TimingRules rules;
@@ -15,4 +15,4 @@ inline TimingRules rules_of(double seconds, int least, int most) {
   return rules;
 }
 
-}  // namespace parloc::bench
+}  // namespace parloc::tools::bench

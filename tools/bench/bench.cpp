@@ -162,8 +162,8 @@ int run(const BenchOptions& o, const std::string& typed) {
   results.scale = o.scale;
   results.quick = o.quick;
   results.command = typed;
-  results.date = bench::date_now();
-  results.machine = bench::machine_here();
+  results.date = date_now();
+  results.machine = machine_here();
   measure(plan, scenes, o.quiet, begun, results);
   if (results.interrupted && results.rows.empty()) {
     fmt::print(stderr, "parloc: interrupted before the first row, nothing is written\n");

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-namespace parloc::bench {
+namespace parloc::tools::bench {
 
 std::optional<Bracket> largest_that_fits(std::int64_t least, std::int64_t most, std::int64_t guess,
                                          double tolerance,
@@ -28,4 +28,4 @@ std::optional<Bracket> largest_that_fits(std::int64_t least, std::int64_t most, 
   }
 }
 
-}  // namespace parloc::bench
+}  // namespace parloc::tools::bench

@@ -5,7 +5,7 @@
 #include <functional>
 #include <optional>
 
-namespace parloc::bench {
+namespace parloc::tools::bench {
 
 struct Bracket {
   std::int64_t fits = 0;      ///< The largest that was found to fit; 0: none was.
@@ -19,4 +19,4 @@ std::optional<Bracket> largest_that_fits(std::int64_t least, std::int64_t most, 
                                          double tolerance,
                                          const std::function<std::optional<bool>(std::int64_t)>& fits);
 
-}  // namespace parloc::bench
+}  // namespace parloc::tools::bench

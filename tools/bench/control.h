@@ -6,7 +6,7 @@
 #include <optional>
 #include <string_view>
 
-namespace parloc::bench {
+namespace parloc::tools::bench {
 
 using Clock = std::chrono::steady_clock;
 
@@ -27,4 +27,4 @@ struct Control {
   }
 };
 
-}  // namespace parloc::bench
+}  // namespace parloc::tools::bench

@@ -3,9 +3,9 @@
 #include <fmt/format.h>
 
 #include "tools/bench/scenes.h"
-#include "tools/report/build_info.h"
+#include "tools/report/machine/build_info.h"
 
-namespace parloc::bench {
+namespace parloc::tools::bench {
 
 std::vector<std::pair<std::string, std::string>> facts(const Results& r) {
   const std::string commit = kCommit[0] == '\0' ? "" : fmt::format(", commit {}", kCommit);
@@ -54,4 +54,4 @@ std::string heading(const Results& results, const Place& place) {
   return place.scene;
 }
 
-}  // namespace parloc::bench
+}  // namespace parloc::tools::bench

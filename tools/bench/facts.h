@@ -7,7 +7,7 @@
 
 #include "tools/bench/results.h"
 
-namespace parloc::bench {
+namespace parloc::tools::bench {
 
 /// What a reader must know: machine, build, sensor, what is inside the time, what the numbers are.
 std::vector<std::pair<std::string, std::string>> facts(const Results& results);
@@ -16,4 +16,4 @@ std::vector<std::string> remarks(const Results& results);
 /// "no_hit, cloud tracking (800 x 600 ...)".
 std::string heading(const Results& results, const Place& place);
 
-}  // namespace parloc::bench
+}  // namespace parloc::tools::bench

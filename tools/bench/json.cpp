@@ -5,9 +5,9 @@
 #include "common/config/settings_table.h"
 #include "tools/bench/published.h"
 #include "tools/bench/scenes.h"
-#include "tools/report/machine_json.h"
+#include "tools/report/machine/machine_json.h"
 
-namespace parloc::bench {
+namespace parloc::tools::bench {
 namespace {
 
 using Json = nlohmann::ordered_json;
@@ -158,4 +158,4 @@ std::string json_text(const Results& r) {
   return file_text(json);
 }
 
-}  // namespace parloc::bench
+}  // namespace parloc::tools::bench

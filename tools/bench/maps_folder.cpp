@@ -6,9 +6,9 @@
 #include <system_error>
 
 #include "common/error.h"
-#include "tools/report/build_info.h"
+#include "tools/report/machine/build_info.h"
 
-namespace parloc::bench {
+namespace parloc::tools::bench {
 namespace {
 
 namespace fs = std::filesystem;
@@ -41,4 +41,4 @@ std::string find_maps_folder(const std::string& given) {
                           installed.string(), kMapsOfSource));
 }
 
-}  // namespace parloc::bench
+}  // namespace parloc::tools::bench

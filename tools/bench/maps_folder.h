@@ -3,10 +3,10 @@
 
 #include <string>
 
-namespace parloc::bench {
+namespace parloc::tools::bench {
 
 /// `given`, if not empty; else the maps of the installation that this program is part of; else those of the
 /// source tree it was built from. Throws Error{input} that says where it looked if there is no such folder.
 std::string find_maps_folder(const std::string& given);
 
-}  // namespace parloc::bench
+}  // namespace parloc::tools::bench

@@ -3,7 +3,7 @@
 #include <utility>
 #include <vector>
 
-namespace parloc::bench {
+namespace parloc::tools::bench {
 namespace {
 
 constexpr int kFewSteps = 3;
@@ -43,7 +43,7 @@ std::optional<TimeSummary> measure(const std::function<double()>& step, const Ti
     if (control.stopped()) return std::nullopt;
     seconds.push_back(step());
   }
-  return summarise(std::move(seconds));
+  return summarise_times(std::move(seconds));
 }
 
-}  // namespace parloc::bench
+}  // namespace parloc::tools::bench

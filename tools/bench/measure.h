@@ -5,9 +5,9 @@
 #include <optional>
 
 #include "tools/bench/control.h"
-#include "tools/report/statistics.h"
+#include "tools/report/machine/statistics.h"
 
-namespace parloc::bench {
+namespace parloc::tools::bench {
 
 /// Steps are counted until there are enough of them and they took long enough together, at most `most_steps`.
 struct TimingRules {
@@ -26,4 +26,4 @@ TimingRules quick_rules();
 std::optional<TimeSummary> measure(const std::function<double()>& step, const TimingRules& rules,
                                    const Control& control);
 
-}  // namespace parloc::bench
+}  // namespace parloc::tools::bench

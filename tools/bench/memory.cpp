@@ -11,7 +11,7 @@
 
 #include "common/filter/bins.h"
 
-namespace parloc::bench {
+namespace parloc::tools::bench {
 namespace {
 
 constexpr std::uint64_t kNoLimit = std::numeric_limits<std::uint64_t>::max();
@@ -99,4 +99,4 @@ std::string too_large(const Variant& variant, std::int64_t particles,
   return fmt::format("needs {} of memory, {} are available", gigabytes(needed), gigabytes(*available));
 }
 
-}  // namespace parloc::bench
+}  // namespace parloc::tools::bench

@@ -8,7 +8,7 @@
 
 #include "tools/bench/variants.h"
 
-namespace parloc::bench {
+namespace parloc::tools::bench {
 
 /// Host memory that this program may still take: what the kernel says is available, within the limits of its
 /// control group and of the shell (ulimit -v). Empty if nothing is known.
@@ -24,4 +24,4 @@ std::int64_t particles_in_memory(const Variant& variant, std::int64_t most,
 /// Why so many particles cannot be measured here; empty if they can.
 std::string too_large(const Variant& variant, std::int64_t particles, std::optional<std::uint64_t> available);
 
-}  // namespace parloc::bench
+}  // namespace parloc::tools::bench

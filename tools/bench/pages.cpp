@@ -8,9 +8,9 @@
 #include "tools/bench/plots.h"
 #include "tools/bench/tables.h"
 #include "tools/report/html_page.h"
-#include "tools/report/html_text.h"
+#include "tools/report/text/html_text.h"
 
-namespace parloc::bench {
+namespace parloc::tools::bench {
 namespace {
 
 constexpr std::size_t kTerminalWidth = 100;
@@ -122,4 +122,4 @@ std::string html_page(const Results& r) {
   return html + "<h2>How it was measured</h2>\n" + facts_table(facts(r)) + "</body></html>\n";
 }
 
-}  // namespace parloc::bench
+}  // namespace parloc::tools::bench

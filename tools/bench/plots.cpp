@@ -7,10 +7,10 @@
 
 #include "tools/bench/published.h"
 #include "tools/bench/scale_run.h"
-#include "tools/report/numbers.h"
-#include "tools/report/xy_plot.h"
+#include "tools/report/plots/xy_plot.h"
+#include "tools/report/text/numbers.h"
 
-namespace parloc::bench {
+namespace parloc::tools::bench {
 namespace {
 
 constexpr std::array<Marker, 4> kMarkers{Marker::circle, Marker::square, Marker::triangle, Marker::diamond};
@@ -164,4 +164,4 @@ std::string scale_plots(const Results& results, const Place& place) {
   return html;
 }
 
-}  // namespace parloc::bench
+}  // namespace parloc::tools::bench

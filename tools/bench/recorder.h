@@ -10,7 +10,7 @@
 #include "tools/bench/rig.h"
 #include "tools/bench/scenes.h"
 
-namespace parloc::bench {
+namespace parloc::tools::bench {
 
 class Recorder {
  public:
@@ -42,4 +42,4 @@ class Recorder {
   std::size_t total_, done_ = 0;
 };
 
-}  // namespace parloc::bench
+}  // namespace parloc::tools::bench

@@ -2,7 +2,7 @@
 
 #include "tools/bench/control.h"
 
-namespace parloc::bench {
+namespace parloc::tools::bench {
 namespace {
 
 /// The noise of configs/paz2012.yaml.
@@ -98,4 +98,4 @@ StageSeconds Rig::stage_seconds() {
   return seconds;
 }
 
-}  // namespace parloc::bench
+}  // namespace parloc::tools::bench

@@ -13,7 +13,7 @@
 #include "tools/bench/scenes.h"
 #include "tools/bench/variants.h"
 
-namespace parloc::bench {
+namespace parloc::tools::bench {
 
 /// The parts of a step, in order. `scan` is the choice of the beams and their upload.
 inline constexpr std::array<const char*, 6> kStageNames{"predict",        "scan",     "weight",
@@ -58,4 +58,4 @@ class Rig {
   std::uint32_t step_ = 0;
 };
 
-}  // namespace parloc::bench
+}  // namespace parloc::tools::bench

@@ -14,7 +14,7 @@
 #include "tools/bench/published.h"
 #include "tools/bench/recorder.h"
 
-namespace parloc::bench {
+namespace parloc::tools::bench {
 namespace {
 
 constexpr int kUsualBeams = 200;
@@ -179,4 +179,4 @@ void measure_scale(const Plan& plan, const std::vector<Scene>& scenes, const Con
   }
 }
 
-}  // namespace parloc::bench
+}  // namespace parloc::tools::bench

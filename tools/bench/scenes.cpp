@@ -12,7 +12,7 @@
 #include "common/math/philox.h"
 #include "common/math/portable64.h"
 
-namespace parloc::bench {
+namespace parloc::tools::bench {
 namespace {
 
 constexpr std::uint64_t kSeed = 1;
@@ -98,4 +98,4 @@ ParticleSet make_cloud(const Scene& scene, Cloud cloud, std::int64_t particles) 
                                   : uniform_start(scene.start_area, particles, kSeed);
 }
 
-}  // namespace parloc::bench
+}  // namespace parloc::tools::bench

@@ -9,7 +9,7 @@
 #include "common/io/log.h"
 #include "common/map/grid_map.h"
 
-namespace parloc::bench {
+namespace parloc::tools::bench {
 
 struct Scene {
   std::string name;
@@ -40,4 +40,4 @@ Scan make_scan(const Scene& scene, int beams);
 /// tracking: Gaussian about the scene's pose, 0.2 m and 0.1 rad. global: uniform over the start area.
 ParticleSet make_cloud(const Scene& scene, Cloud cloud, std::int64_t particles);
 
-}  // namespace parloc::bench
+}  // namespace parloc::tools::bench

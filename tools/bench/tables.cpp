@@ -5,9 +5,9 @@
 #include <algorithm>
 #include <numeric>
 
-#include "tools/report/numbers.h"
+#include "tools/report/text/numbers.h"
 
-namespace parloc::bench {
+namespace parloc::tools::bench {
 namespace {
 
 /// Marks what is within the budget; a blank keeps the others in line.
@@ -147,4 +147,4 @@ Table detail_table(const Results& results, const Place& place, Sweep sweep) {
   return table;
 }
 
-}  // namespace parloc::bench
+}  // namespace parloc::tools::bench

@@ -1,13 +1,13 @@
 #include "tools/bench/variants.h"
 
 #include <fmt/format.h>
-#include <omp.h>
 
 #include <exception>
 
 #include "common/map/grid_map.h"
+#include "tools/report/machine/machine.h"
 
-namespace parloc::bench {
+namespace parloc::tools::bench {
 namespace {
 
 #if PARLOC_WITH_CUDA
@@ -55,10 +55,6 @@ BackendConfig backend_config(const Variant& v, std::int64_t particles) {
   return config;
 }
 
-int cores_here() {
-  return omp_get_num_procs();
-}
-
 VariantChoice cuda_variants() {
   VariantChoice choice;
 #if PARLOC_WITH_CUDA
@@ -97,4 +93,4 @@ VariantChoice choose_variants(const std::vector<Algorithm>& algorithms, int thre
   return choice;
 }
 
-}  // namespace parloc::bench
+}  // namespace parloc::tools::bench

@@ -8,7 +8,7 @@
 
 #include "common/filter/backend.h"
 
-namespace parloc::bench {
+namespace parloc::tools::bench {
 
 enum class Algorithm {
   published,  ///< As Paz et al. 2012 describe it: fixed-step rays, multinomial resampling by linear search.
@@ -34,9 +34,6 @@ std::string name_of(const Variant& variant);
 /// step, as the paper does, so that both do the same work.
 BackendConfig backend_config(const Variant& variant, std::int64_t particles);
 
-/// The CPU's cores that this program may run on.
-int cores_here();
-
 struct VariantChoice {
   std::vector<Variant> variants;
   std::vector<std::string> notes;  ///< What is not measured, and why.
@@ -49,4 +46,4 @@ VariantChoice choose_variants(const std::vector<Algorithm>& algorithms, int thre
 /// The CUDA devices that can run a step, as variants of `parloc`; the others are in the notes.
 VariantChoice cuda_variants();
 
-}  // namespace parloc::bench
+}  // namespace parloc::tools::bench

@@ -13,7 +13,7 @@
 #include "common/error.h"
 #include "common/filter/pose_filter.h"
 
-namespace parloc::compare {
+namespace parloc::tools::compare {
 namespace {
 
 std::vector<std::string> split(const std::string& text, char at) {
@@ -83,4 +83,4 @@ std::vector<Entry> read_entries(const std::string& list, const FilterConfig& bas
   return entries;
 }
 
-}  // namespace parloc::compare
+}  // namespace parloc::tools::compare

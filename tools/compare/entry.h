@@ -6,7 +6,7 @@
 
 #include "common/filter/config.h"
 
-namespace parloc::compare {
+namespace parloc::tools::compare {
 
 struct Entry {
   std::string label;  ///< For people: "edh@100", "amcl:turtlebot3" with a file of its own.
@@ -23,4 +23,4 @@ inline constexpr const char* kDefaultFilters =
 /// a wrong number and for the same label twice; Error{config} as read_config().
 std::vector<Entry> read_entries(const std::string& list, const FilterConfig& base);
 
-}  // namespace parloc::compare
+}  // namespace parloc::tools::compare

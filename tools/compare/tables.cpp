@@ -4,10 +4,10 @@
 #include <iterator>
 
 #include "tools/compare/comparison.h"
-#include "tools/report/build_info.h"
-#include "tools/report/numbers.h"
+#include "tools/report/machine/build_info.h"
+#include "tools/report/text/numbers.h"
 
-namespace parloc::compare {
+namespace parloc::tools::compare {
 namespace {
 
 constexpr std::size_t kWidth = 118;
@@ -64,8 +64,8 @@ Lines origin_lines(const Comparison& c) {
                      fmt::format("farther than {0:g} m off at the end; '> {0:g} m': share of all scans "
                                  "at which a run was so far off, lost or not",
                                  kLost_m));
-  const std::string commit = bench::kCommit[0] == '\0' ? "" : fmt::format(", commit {}", bench::kCommit);
-  lines.emplace_back("build", fmt::format("parloc {}{}", bench::kVersion, commit));
+  const std::string commit = kCommit[0] == '\0' ? "" : fmt::format(", commit {}", kCommit);
+  lines.emplace_back("build", fmt::format("parloc {}{}", kVersion, commit));
   return lines;
 }
 
@@ -78,8 +78,8 @@ Lines machine_lines(const Comparison& c) {
   return lines;
 }
 
-bench::Table error_table(const Comparison& c) {
-  bench::Table t;
+Table error_table(const Comparison& c) {
+  Table t;
   t.title = "Errors: mean +- standard deviation of the runs that kept their robot";
   t.columns = {{"", "filter", true},
                {"", "runs"},
@@ -116,8 +116,8 @@ bench::Table error_table(const Comparison& c) {
   return t;
 }
 
-bench::Table time_table(const Comparison& c) {
-  bench::Table t;
+Table time_table(const Comparison& c) {
+  Table t;
   t.title = "Times on this machine: of a step that takes its scan in, and of all steps together";
   t.columns = {{"", "filter", true}, {"", "particles"},     {"", "median ms"},    {"", "p99 ms"},
                {"", "x real time"},  {"", "scans skipped"}, {"", "backend", true}};
@@ -125,10 +125,9 @@ bench::Table time_table(const Comparison& c) {
     const Summary& s = c.summaries[k];
     const bool timed = s.step.count > 0;
     t.rows.push_back({c.request.entries[k].label, s.particles > 0.0 ? number(s.particles, 0) : "-",
-                      timed ? bench::milliseconds_text(s.step.median_s) : "-",
-                      timed ? bench::milliseconds_text(s.step.p99_s) : "-",
-                      bench::significant(s.real_time_factor, 3), percent(s.skipped),
-                      c.outcome.backends[k].empty() ? "-" : c.outcome.backends[k]});
+                      timed ? milliseconds_text(s.step.median_s) : "-",
+                      timed ? milliseconds_text(s.step.p99_s) : "-", significant(s.real_time_factor, 3),
+                      percent(s.skipped), c.outcome.backends[k].empty() ? "-" : c.outcome.backends[k]});
   }
   return t;
 }
@@ -141,8 +140,7 @@ std::string terminal_text(const Comparison& c) {
     text += "\n";
   };
   print(origin_lines(c));
-  text += bench::terminal_text(error_table(c), kWidth) + "\n" + bench::terminal_text(time_table(c), kWidth) +
-          "\n";
+  text += terminal_text(error_table(c), kWidth) + "\n" + terminal_text(time_table(c), kWidth) + "\n";
   print(machine_lines(c));
   text.pop_back();
   return text;
@@ -151,9 +149,9 @@ std::string terminal_text(const Comparison& c) {
 std::string markdown_text(const Comparison& c) {
   std::string text = fmt::format("# Filters compared\n\n```\n{}\n```\n\n{}.\n\n", c.command, c.date);
   for (const auto& [name, value] : origin_lines(c)) text += fmt::format("- {}: {}\n", name, value);
-  text += "\n" + bench::markdown_text(error_table(c)) + "\n" + bench::markdown_text(time_table(c)) + "\n";
+  text += "\n" + markdown_text(error_table(c)) + "\n" + markdown_text(time_table(c)) + "\n";
   for (const auto& [name, value] : machine_lines(c)) text += fmt::format("- {}: {}\n", name, value);
   return text;
 }
 
-}  // namespace parloc::compare
+}  // namespace parloc::tools::compare

@@ -23,9 +23,9 @@
 #include "tools/evaluate/evaluation.h"
 #include "tools/evaluate/run_trials.h"
 #include "tools/evaluate/trial_source.h"
-#include "tools/map/load_map.h"
 #include "tools/program/commands.h"
 #include "tools/program/interrupt.h"
+#include "tools/program/load_map.h"
 #include "tools/program/output_folder.h"
 #include "tools/program/parse_number.h"
 #include "tools/program/progress.h"
@@ -216,8 +216,8 @@ int run(const EvaluateOptions& o, const std::string& typed) {
   check_options(o);
   Evaluation e;
   e.command = typed;
-  e.date = bench::date_now();
-  e.machine = bench::machine_here();
+  e.date = date_now();
+  e.machine = machine_here();
   e.plan = plan_of(o, e.limit_s);
   e.first_seed = whole_within("--seed", o.seed, 0, kLastSeed, 1);
   const auto cores = std::max<std::uint64_t>(1, std::thread::hardware_concurrency());

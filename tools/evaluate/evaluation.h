@@ -9,13 +9,13 @@
 #include "common/localize/localizer.h"
 #include "common/map/grid_map.h"
 #include "tools/report/html_page.h"
-#include "tools/report/machine.h"
+#include "tools/report/machine/machine.h"
 
-namespace parloc::evaluate {
+namespace parloc::tools::evaluate {
 
 struct Evaluation {
   std::string command, date;  ///< As typed; UTC.
-  bench::Machine machine;
+  Machine machine;
   bool recorded = false;         ///< A log; else simulated.
   std::string source, map_path;  ///< Where the trials come from, for people; what was localized on.
   TrialPlan plan;
@@ -33,7 +33,6 @@ struct Evaluation {
 const char* name_of(TrialTask task);
 
 /// What a reader wants to know first, as sentences: name and value.
-using Lines = bench::Lines;
 Lines result_lines(const Evaluation& e);
 Lines time_lines(const Evaluation& e);    ///< What depends on the machine.
 Lines origin_lines(const Evaluation& e);  ///< What was evaluated, and how.
@@ -47,4 +46,4 @@ std::string html_page(const Evaluation& e, const GridMap& map);
 /// One line per sample of every trial, as CSV with a header.
 std::string samples_csv(const Evaluation& e);
 
-}  // namespace parloc::evaluate
+}  // namespace parloc::tools::evaluate

@@ -4,9 +4,9 @@
 #include <iterator>
 
 #include "tools/evaluate/evaluation.h"
-#include "tools/report/build_info.h"
+#include "tools/report/machine/build_info.h"
 
-namespace parloc::evaluate {
+namespace parloc::tools::evaluate {
 namespace {
 
 constexpr std::size_t kSeedsListed = 40;
@@ -111,7 +111,7 @@ Lines origin_lines(const Evaluation& e) {
   const char* tasks[] = {"the start is not given",
                          "the start is given; half-way the robot is put somewhere else",
                          "the start is given"};
-  const std::string commit = bench::kCommit[0] == '\0' ? "" : fmt::format(", commit {}", bench::kCommit);
+  const std::string commit = kCommit[0] == '\0' ? "" : fmt::format(", commit {}", kCommit);
   Lines lines{{"trials", e.source}, {"map", e.map_path}};
   lines.emplace_back("task",
                      fmt::format("{}: {}", name_of(e.plan.task), tasks[static_cast<int>(e.plan.task)]));
@@ -131,7 +131,7 @@ Lines origin_lines(const Evaluation& e) {
         fmt::format("a trial that is right only at {:g} s is watched for {:g} s, not {:g} s", e.limit_s,
                     e.plan.duration_s > e.limit_s ? e.plan.duration_s - e.limit_s : 0.0, e.plan.hold_s));
   lines.emplace_back("filter", fmt::format("{} particles", e.config.filter.particles));
-  lines.emplace_back("build", fmt::format("parloc {}{}", bench::kVersion, commit));
+  lines.emplace_back("build", fmt::format("parloc {}{}", kVersion, commit));
   return lines;
 }
 
@@ -178,4 +178,4 @@ std::string samples_csv(const Evaluation& e) {
   return csv;
 }
 
-}  // namespace parloc::evaluate
+}  // namespace parloc::tools::evaluate

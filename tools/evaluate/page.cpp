@@ -5,13 +5,13 @@
 #include <iterator>
 
 #include "tools/evaluate/evaluation.h"
-#include "tools/report/html_text.h"
 #include "tools/report/map_view.h"
+#include "tools/report/plots/xy_plot.h"
 #include "tools/report/report_sections.h"
-#include "tools/report/table.h"
-#include "tools/report/xy_plot.h"
+#include "tools/report/text/html_text.h"
+#include "tools/report/text/table.h"
 
-namespace parloc::evaluate {
+namespace parloc::tools::evaluate {
 namespace {
 
 constexpr std::int32_t kLeastMap_px = 600, kMostMap_px = 1600;
@@ -24,42 +24,40 @@ std::string time_plot(const Evaluation& e) {
   }
   double until_s = 1.5 * e.limit_s;
   for (const double t : localized_s) until_s = std::max(until_s, 1.05 * t);
-  bench::XyPlot plot;
+  XyPlot plot;
   plot.title = "Trials localized by then, %";
   plot.x_name = e.plan.task == TrialTask::kidnap ? "s since the kidnapping" : "s since the start";
-  plot.unit = bench::YUnit::plain;
+  plot.unit = YUnit::plain;
   plot.y_logarithmic = false;
   plot.y_span = {0.0, 100.0};
-  plot.curves.push_back(bench::cumulative_curve("localized", "c1", localized_s, e.trials.size(), until_s));
+  plot.curves.push_back(cumulative_curve("localized", "c1", localized_s, e.trials.size(), until_s));
   if (e.plan.task == TrialTask::kidnap)
-    plot.curves.push_back(bench::cumulative_curve("noticed", "c5", noticed_s, e.trials.size(), until_s));
-  plot.curves.push_back(
-      {"limit", "c6", bench::Marker::circle, true, {e.limit_s, e.limit_s}, {0.0, 100.0}, false});
-  plot.x_ticks = bench::ticks_to(until_s);
-  return "<div>" + bench::render(plot) + bench::render_legend(plot.curves) + "</div>";
+    plot.curves.push_back(cumulative_curve("noticed", "c5", noticed_s, e.trials.size(), until_s));
+  plot.curves.push_back({"limit", "c6", Marker::circle, true, {e.limit_s, e.limit_s}, {0.0, 100.0}, false});
+  plot.x_ticks = ticks_to(until_s);
+  return "<div>" + render(plot) + render_legend(plot.curves) + "</div>";
 }
 
 std::string reliability_plot(const Evaluation& e) {
-  bench::Curve measured{"measured", "c1", bench::Marker::circle, false, {}, {}, true};
+  Curve measured{"measured", "c1", Marker::circle, false, {}, {}, true};
   for (const ReliabilityBin& bin : e.summary.calibration.bins) {
     if (bin.count == 0) continue;
     measured.x.push_back(bin.forecast_mean);
     measured.y.push_back(bin.observed);
   }
-  bench::XyPlot plot;
+  XyPlot plot;
   plot.title = "Share of scans that were right";
   plot.x_name = "probability of being right, as it says";
-  plot.unit = bench::YUnit::plain;
+  plot.unit = YUnit::plain;
   plot.y_logarithmic = false;
   plot.x_ticks = {0.0, 0.2, 0.4, 0.6, 0.8, 1.0};
   plot.y_span = {0.0, 1.0};
-  plot.curves = {{"as it should be", "c6", bench::Marker::circle, true, {0.0, 1.0}, {0.0, 1.0}, false},
-                 measured};
-  return "<div>" + bench::render(plot) + bench::render_legend(plot.curves) + "</div>";
+  plot.curves = {{"as it should be", "c6", Marker::circle, true, {0.0, 1.0}, {0.0, 1.0}, false}, measured};
+  return "<div>" + render(plot) + render_legend(plot.curves) + "</div>";
 }
 
-bench::Table reliability_table(const Evaluation& e) {
-  bench::Table table;
+Table reliability_table(const Evaluation& e) {
+  Table table;
   table.title = "Probability of being right";
   table.columns = {{"", "it says", true}, {"", "scans"}, {"", "mean said"}, {"", "was right"}};
   table.rows = reliability_rows(e);
@@ -105,21 +103,21 @@ constexpr const char* kStyle =
 
 std::string html_page(const Evaluation& e, const GridMap& map) {
   const std::string title = fmt::format("parloc evaluate: {}", name_of(e.plan.task));
-  std::string html = bench::page_head(title, e.date, e.command, kStyle);
+  std::string html = page_head(title, e.date, e.command, kStyle);
   if (e.interrupted)
     html += fmt::format("<div class=\"warning\">Interrupted: {} of {} trials.</div>\n", e.trials.size(),
                         e.wanted);
-  html += bench::facts_table(result_lines(e), "summary");
+  html += facts_table(result_lines(e), "summary");
   html += "<h2>How soon, and how honest</h2>\n<div class=\"xys\">" + time_plot(e) + reliability_plot(e) +
           "</div>\n";
-  html += bench::html_text(reliability_table(e));
+  html += html_text(reliability_table(e));
   html += map_figure(e, map);
-  html += "<h2>What was evaluated</h2>\n" + bench::facts_table(origin_lines(e));
+  html += "<h2>What was evaluated</h2>\n" + facts_table(origin_lines(e));
   html +=
       "<h2>Times on this machine</h2>\n<p class=\"note\">All else on this page is the same on every "
       "machine.</p>\n" +
-      bench::facts_table(time_lines(e));
+      facts_table(time_lines(e));
   return html + "</body></html>\n";
 }
 
-}  // namespace parloc::evaluate
+}  // namespace parloc::tools::evaluate

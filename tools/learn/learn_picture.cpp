@@ -7,8 +7,8 @@
 #include <cmath>
 
 #include "common/file/output_file.h"
-#include "tools/report/canvas.h"
-#include "tools/report/picture_style.h"
+#include "tools/report/pictures/canvas.h"
+#include "tools/report/pictures/picture_style.h"
 
 namespace parloc::tools {
 namespace {

@@ -7,14 +7,14 @@
 
 #include "common/error.h"
 #include "common/file/output_file.h"
-#include "tools/report/canvas.h"
 #include "tools/report/map_view.h"
-#include "tools/report/picture_style.h"
-#include "tools/report/plot_axis.h"
+#include "tools/report/pictures/canvas.h"
+#include "tools/report/pictures/picture_style.h"
+#include "tools/report/plots/plot_axis.h"
 #include "tools/report/report.h"
 #include "tools/report/report_sections.h"
 
-namespace parloc {
+namespace parloc::tools {
 namespace {
 
 constexpr std::int32_t area_width_px = 1000, area_height_px = 180;
@@ -129,4 +129,4 @@ void write_error_picture(const std::string& path, const RunReport& report) {
   replace_file(path, encode_png_rgb(canvas.width(), canvas.height(), canvas.pixels()));
 }
 
-}  // namespace parloc
+}  // namespace parloc::tools

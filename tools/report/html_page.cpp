@@ -4,11 +4,11 @@
 
 #include <cmath>
 
-#include "tools/report/html_text.h"
+#include "tools/report/plots/xy_plot.h"
 #include "tools/report/report_sections.h"
-#include "tools/report/xy_plot.h"
+#include "tools/report/text/html_text.h"
 
-namespace parloc::bench {
+namespace parloc::tools {
 
 std::string page_head(const std::string& title, const std::string& date, const std::string& command,
                       const char* style) {
@@ -37,4 +37,4 @@ std::vector<double> ticks_to(double most) {
   return ticks;
 }
 
-}  // namespace parloc::bench
+}  // namespace parloc::tools

@@ -5,7 +5,7 @@
 #include <utility>
 #include <vector>
 
-namespace parloc::bench {
+namespace parloc::tools {
 
 /// For people: name and value.
 using Lines = std::vector<std::pair<std::string, std::string>>;
@@ -20,4 +20,4 @@ std::string facts_table(const Lines& lines, const char* kind = "");
 /// Whole multiples of 1, 2 or 5 times a power of ten, from 0 on: about six of them.
 std::vector<double> ticks_to(double most);
 
-}  // namespace parloc::bench
+}  // namespace parloc::tools

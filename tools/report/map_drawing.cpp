@@ -4,10 +4,10 @@
 #include <string>
 #include <vector>
 
-#include "tools/report/html_text.h"
-#include "tools/report/picture_style.h"
+#include "tools/report/pictures/picture_style.h"
+#include "tools/report/text/html_text.h"
 
-namespace parloc {
+namespace parloc::tools {
 
 void draw_cells(Canvas& canvas, const GridMap& map, const MapView& view, Rgba occupied) {
   const std::vector<Cell> cells = raster(map, view);
@@ -34,4 +34,4 @@ void draw_scale_bar(Canvas& canvas, const MapView& view) {
       static_cast<std::int32_t>(bottom) - 26, label, text_scale, ink);
 }
 
-}  // namespace parloc
+}  // namespace parloc::tools

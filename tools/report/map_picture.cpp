@@ -4,14 +4,14 @@
 
 #include "common/error.h"
 #include "common/file/output_file.h"
-#include "tools/report/canvas.h"
 #include "tools/report/map_drawing.h"
 #include "tools/report/map_view.h"
-#include "tools/report/picture_style.h"
-#include "tools/report/png_writer.h"
+#include "tools/report/pictures/canvas.h"
+#include "tools/report/pictures/picture_style.h"
+#include "tools/report/pictures/png_writer.h"
 #include "tools/report/report.h"
 
-namespace parloc {
+namespace parloc::tools {
 namespace {
 
 constexpr std::int32_t least_px = 1100, most_px = 2000;
@@ -47,4 +47,4 @@ void write_map_picture(const std::string& path, const GridMap& map) {
   replace_file(path, encode_png_rgb(view->width_px, view->height_px, canvas.pixels()));
 }
 
-}  // namespace parloc
+}  // namespace parloc::tools

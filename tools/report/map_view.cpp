@@ -7,7 +7,7 @@
 
 #include "common/error.h"
 
-namespace parloc {
+namespace parloc::tools {
 namespace {
 
 /// An axis-parallel box in the grid's frame [m]; empty when low > high.
@@ -194,4 +194,4 @@ double scale_bar_m(const MapView& view) {
   return 2 * decade <= limit_m ? 2 * decade : decade;
 }
 
-}  // namespace parloc
+}  // namespace parloc::tools

@@ -8,7 +8,7 @@
 #include "common/map/grid_map.h"
 #include "tools/report/report.h"
 
-namespace parloc {
+namespace parloc::tools {
 
 struct Pixel {
   double x = 0.0;  ///< Right, 0 at the left edge.
@@ -47,4 +47,4 @@ double scale_bar_m(const MapView& view);
 /// Whether a pose can be drawn: finite and within 10,000 km.
 bool drawable_point(double x_m, double y_m);
 
-}  // namespace parloc
+}  // namespace parloc::tools

@@ -5,16 +5,16 @@
 
 #include "common/error.h"
 #include "common/file/output_file.h"
-#include "tools/report/canvas.h"
-#include "tools/report/html_text.h"
 #include "tools/report/map_drawing.h"
 #include "tools/report/map_view.h"
-#include "tools/report/picture_style.h"
-#include "tools/report/png_writer.h"
+#include "tools/report/pictures/canvas.h"
+#include "tools/report/pictures/picture_style.h"
+#include "tools/report/pictures/png_writer.h"
 #include "tools/report/report.h"
 #include "tools/report/report_sections.h"
+#include "tools/report/text/html_text.h"
 
-namespace parloc {
+namespace parloc::tools {
 namespace {
 
 constexpr std::int32_t least_px = 1100, most_px = 2000;
@@ -243,4 +243,4 @@ void write_live_picture(const std::string& path, const RunReport& report, const 
   replace_file(path, encode_stacked(map, strip, PngEffort::fast));
 }
 
-}  // namespace parloc
+}  // namespace parloc::tools

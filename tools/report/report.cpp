@@ -7,11 +7,11 @@
 #include <numbers>
 
 #include "common/file/output_file.h"
-#include "tools/report/html_text.h"
+#include "tools/report/plots/svg_plot.h"
 #include "tools/report/report_sections.h"
-#include "tools/report/svg_plot.h"
+#include "tools/report/text/html_text.h"
 
-namespace parloc {
+namespace parloc::tools {
 namespace {
 
 constexpr double degrees_per_rad = 180.0 / std::numbers::pi;
@@ -186,4 +186,4 @@ void write_report(const std::string& path, const RunReport& report) {
   replace_file(path, page(report));
 }
 
-}  // namespace parloc
+}  // namespace parloc::tools

@@ -12,9 +12,9 @@
 #include "common/localize/health.h"
 #include "common/map/grid_map.h"
 #include "common/math/pose.h"
-#include "tools/report/svg_plot.h"
+#include "tools/report/plots/svg_plot.h"
 
-namespace parloc {
+namespace parloc::tools {
 
 /// The filter at one moment. All in the map frame.
 struct Snapshot {
@@ -112,4 +112,4 @@ void write_live_picture(const std::string& path, const RunReport& report, const 
 /// the particles. Throws Error{output} likewise; a report without errors gives Error{output} as well.
 void write_error_picture(const std::string& path, const RunReport& report);
 
-}  // namespace parloc
+}  // namespace parloc::tools

@@ -4,12 +4,12 @@
 #include <algorithm>
 #include <cmath>
 
-#include "tools/report/html_text.h"
 #include "tools/report/map_view.h"
 #include "tools/report/report_marks.h"
 #include "tools/report/report_sections.h"
+#include "tools/report/text/html_text.h"
 
-namespace parloc {
+namespace parloc::tools {
 namespace {
 
 constexpr std::size_t most_moments = 24;
@@ -110,4 +110,4 @@ std::string growth_figures(const RunReport& report, const MapView& view, const T
              : html + "<p class=\"note\">" + escape_html(report.growth_note) + "</p>\n";
 }
 
-}  // namespace parloc
+}  // namespace parloc::tools

@@ -4,13 +4,13 @@
 #include <cmath>
 #include <iterator>
 
-#include "tools/report/html_text.h"
 #include "tools/report/map_view.h"
-#include "tools/report/png_writer.h"
+#include "tools/report/pictures/png_writer.h"
 #include "tools/report/report_marks.h"
 #include "tools/report/report_sections.h"
+#include "tools/report/text/html_text.h"
 
-namespace parloc {
+namespace parloc::tools {
 namespace {
 
 constexpr std::int32_t most_map_px = 1600;
@@ -182,4 +182,4 @@ std::string map_figures(const RunReport& report, const TimeAxis& axis) {
   return html + "</div>\n";
 }
 
-}  // namespace parloc
+}  // namespace parloc::tools

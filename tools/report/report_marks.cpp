@@ -5,10 +5,10 @@
 #include <cmath>
 #include <iterator>
 
-#include "tools/report/html_text.h"
 #include "tools/report/report_sections.h"
+#include "tools/report/text/html_text.h"
 
-namespace parloc {
+namespace parloc::tools {
 
 std::string track_path(const Trajectory& track, const MapView& view, const PathDetail& detail) {
   std::string d;
@@ -75,4 +75,4 @@ std::string time_text(const TimeAxis& axis, double stamp_s) {
              : "unknown time";
 }
 
-}  // namespace parloc
+}  // namespace parloc::tools

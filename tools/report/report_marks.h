@@ -5,10 +5,10 @@
 #include <string>
 
 #include "tools/report/map_view.h"
+#include "tools/report/plots/svg_plot.h"
 #include "tools/report/report.h"
-#include "tools/report/svg_plot.h"
 
-namespace parloc {
+namespace parloc::tools {
 
 /// A <path>; empty without points.
 std::string svg_path(const std::string& classes, const std::string& d);
@@ -29,4 +29,4 @@ std::string dot(const std::string& classes, const Pose& pose, const MapView& vie
 /// Since the start of the axis, in its unit.
 std::string time_text(const TimeAxis& axis, double stamp_s);
 
-}  // namespace parloc
+}  // namespace parloc::tools

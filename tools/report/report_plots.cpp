@@ -2,10 +2,10 @@
 #include <limits>
 #include <numbers>
 
-#include "tools/report/html_text.h"
 #include "tools/report/report_sections.h"
+#include "tools/report/text/html_text.h"
 
-namespace parloc {
+namespace parloc::tools {
 namespace {
 
 constexpr double degrees_per_rad = 180.0 / std::numbers::pi;
@@ -145,4 +145,4 @@ std::string plot_figures(const RunReport& report, const TimeAxis& axis) {
   return html.empty() ? html : "<h2>How it went</h2>\n<div class=\"plots\">" + html + "</div>\n";
 }
 
-}  // namespace parloc
+}  // namespace parloc::tools

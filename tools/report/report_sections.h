@@ -6,10 +6,10 @@
 #include <vector>
 
 #include "tools/report/map_view.h"
+#include "tools/report/plots/svg_plot.h"
 #include "tools/report/report.h"
-#include "tools/report/svg_plot.h"
 
-namespace parloc {
+namespace parloc::tools {
 
 /// The style sheet: light and dark, any width. Classes c1 to c6 are the colours of lines and marks.
 const char* report_style();
@@ -53,4 +53,4 @@ double percentile(std::vector<double> values, double share);
 /// The pose at the time closest to `stamp_s`; null if the trajectory is empty.
 const StampedPose* nearest_pose(const Trajectory& trajectory, double stamp_s);
 
-}  // namespace parloc
+}  // namespace parloc::tools

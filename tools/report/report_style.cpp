@@ -1,6 +1,6 @@
 #include "tools/report/report_sections.h"
 
-namespace parloc {
+namespace parloc::tools {
 
 // Colours: Okabe and Ito's set for colour-blind readers. Lines differ in width and dashes too.
 const char* report_style() {
@@ -129,4 +129,4 @@ slider.addEventListener('input',stop);all('.frames figure').forEach(e=>e.addEven
 )js";
 }
 
-}  // namespace parloc
+}  // namespace parloc::tools

@@ -4,7 +4,7 @@
 #include <filesystem>
 #include <optional>
 
-namespace parloc::slam {
+namespace parloc::tools::slam {
 namespace {
 
 bool same(const Pose& a, const Pose& b) {
@@ -34,4 +34,4 @@ bool choose_odometry(const std::string& log_path, FilterConfig& config) {
   return true;
 }
 
-}  // namespace parloc::slam
+}  // namespace parloc::tools::slam

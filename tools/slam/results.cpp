@@ -10,11 +10,11 @@
 #include "common/eval/align.h"
 #include "common/slam/tiles.h"
 #include "tools/report/config_facts.h"
-#include "tools/report/machine_json.h"
-#include "tools/report/statistics.h"
+#include "tools/report/machine/machine_json.h"
+#include "tools/report/machine/statistics.h"
 #include "tools/slam/odometry_choice.h"
 
-namespace parloc::slam {
+namespace parloc::tools::slam {
 namespace {
 
 using Json = nlohmann::ordered_json;
@@ -220,7 +220,7 @@ std::string metrics_json(const SlamResults& results) {
   json["wall_s"] = m.wall_s;
   json["log_s"] = m.log_s;
   json["real_time_factor"] = m.real_time_factor();
-  const bench::TimeSummary step = bench::summarise(m.step_s);
+  const TimeSummary step = summarise_times(m.step_s);
   json["step_ms_median"] = 1e3 * step.median_s;
   json["step_ms_p99"] = 1e3 * step.p99_s;
   json["step_ms_max"] = 1e3 * step.most_s;
@@ -237,7 +237,7 @@ std::string metrics_json(const SlamResults& results) {
   json["log"] = results.log_path;
   json["command"] = results.command_line;
   json["config"] = tools::config_json(m.config);
-  return bench::file_text(json);
+  return file_text(json);
 }
 
 RunReport report_of(const SlamResults& results) {
@@ -280,4 +280,4 @@ std::string summary_text(const SlamResults& results) {
   return text;
 }
 
-}  // namespace parloc::slam
+}  // namespace parloc::tools::slam

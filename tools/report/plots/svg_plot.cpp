@@ -1,4 +1,4 @@
-#include "tools/report/svg_plot.h"
+#include "tools/report/plots/svg_plot.h"
 
 #include <fmt/format.h>
 
@@ -9,10 +9,10 @@
 #include <numeric>
 #include <optional>
 
-#include "tools/report/html_text.h"
-#include "tools/report/plot_axis.h"
+#include "tools/report/plots/plot_axis.h"
+#include "tools/report/text/html_text.h"
 
-namespace parloc {
+namespace parloc::tools {
 namespace {
 
 constexpr int plot_columns = 1000;
@@ -200,4 +200,4 @@ std::string render_plot(const Plot& plot, const TimeAxis& axis) {
   return html + "<em>" + axis.unit + "</em></div></div></figure>\n";
 }
 
-}  // namespace parloc
+}  // namespace parloc::tools

@@ -5,9 +5,9 @@
 #include <string_view>
 #include <vector>
 
-#include "tools/report/png_writer.h"
+#include "tools/report/pictures/png_writer.h"
 
-namespace parloc {
+namespace parloc::tools {
 
 /// Red, green, blue; row 0 at the top. Coordinates are in pixels, (0, 0) the outer corner of the top left
 /// pixel. What lies outside is clipped, at a cost that is bounded by the picture's size. Coordinates are
@@ -43,4 +43,4 @@ class Canvas {
   std::vector<std::uint8_t> pixels_;
 };
 
-}  // namespace parloc
+}  // namespace parloc::tools

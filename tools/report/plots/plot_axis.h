@@ -5,9 +5,9 @@
 #include <string>
 #include <vector>
 
-#include "tools/report/svg_plot.h"
+#include "tools/report/plots/svg_plot.h"
 
-namespace parloc {
+namespace parloc::tools {
 
 /// The vertical axis.
 struct ValueAxis {
@@ -36,4 +36,4 @@ std::string remark(const ValueAxis& axis);
 /// Whether columns stand for so many samples that a line through all of them would be a solid area.
 bool crowded(const std::vector<EnvelopeColumn>& columns);
 
-}  // namespace parloc
+}  // namespace parloc::tools

@@ -1,9 +1,9 @@
 // Colours and sizes of the pictures: Okabe and Ito's colours, as in the HTML report.
 #pragma once
 
-#include "tools/report/canvas.h"
+#include "tools/report/pictures/canvas.h"
 
-namespace parloc {
+namespace parloc::tools {
 
 inline constexpr Rgba estimate_colour = {0, 114, 178, 255};
 inline constexpr Rgba truth_colour = {230, 159, 0, 255};
@@ -15,4 +15,4 @@ inline constexpr Rgba unknown_colour = {223, 226, 229, 255};
 
 inline constexpr std::int32_t text_scale = 2, line_px = 26, margin_px = 14;
 
-}  // namespace parloc
+}  // namespace parloc::tools

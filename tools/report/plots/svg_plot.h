@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-namespace parloc {
+namespace parloc::tools {
 
 /// The common time axis of a report's plots.
 struct TimeAxis {
@@ -79,4 +79,4 @@ struct Plot {
 /// page.
 std::string render_plot(const Plot& plot, const TimeAxis& axis);
 
-}  // namespace parloc
+}  // namespace parloc::tools

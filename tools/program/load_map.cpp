@@ -1,4 +1,4 @@
-#include "tools/map/load_map.h"
+#include "tools/program/load_map.h"
 
 #include <fmt/format.h>
 

@@ -1,6 +1,7 @@
-#include "tools/report/machine.h"
+#include "tools/report/machine/machine.h"
 
 #include <fmt/format.h>
+#include <omp.h>
 #include <sys/sysinfo.h>
 #include <sys/utsname.h>
 
@@ -11,9 +12,8 @@
 #include <string_view>
 
 #include "common/filter/backend.h"
-#include "tools/bench/variants.h"
 
-namespace parloc::bench {
+namespace parloc::tools {
 namespace {
 
 /// What stands behind the separator in the first line that begins with `key`; empty if there is none.
@@ -65,6 +65,10 @@ std::vector<std::string> thread_settings() {
 
 }  // namespace
 
+int cores_here() {
+  return omp_get_num_procs();
+}
+
 Machine machine_here() {
   Machine m;
   m.cpu = cpu_model();
@@ -89,4 +93,4 @@ std::string date_now() {
   return text.data();
 }
 
-}  // namespace parloc::bench
+}  // namespace parloc::tools

@@ -1,11 +1,11 @@
-#include "tools/report/canvas.h"
+#include "tools/report/pictures/canvas.h"
 
 #include <algorithm>
 #include <cctype>
 #include <cmath>
 #include <cstddef>
 
-namespace parloc {
+namespace parloc::tools {
 namespace {
 
 /// Rows of a glyph from the top; bit 4 is the left column. Rows 7 and 8 hold descenders.
@@ -140,4 +140,4 @@ std::int32_t Canvas::text_width(std::string_view label, std::int32_t scale) {
   return static_cast<std::int32_t>(label.size()) * glyph_advance * scale - scale;
 }
 
-}  // namespace parloc
+}  // namespace parloc::tools

@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-namespace parloc::bench {
+namespace parloc::tools {
 
 struct Machine {
   std::string cpu;
@@ -21,7 +21,10 @@ struct Machine {
 
 Machine machine_here();
 
+/// The CPU's cores that this program may run on.
+int cores_here();
+
 /// Now, in UTC: "2026-01-31T12:00:00Z".
 std::string date_now();
 
-}  // namespace parloc::bench
+}  // namespace parloc::tools

@@ -1,7 +1,7 @@
 // What is known of this build since it was configured. Written by CMake from build_info.cpp.in.
 #pragma once
 
-namespace parloc::bench {
+namespace parloc::tools {
 
 extern const char* const kVersion;
 extern const char* const kCommit;  ///< Empty if the sources were no git checkout. "-dirty": with changes.
@@ -12,4 +12,4 @@ extern const char* const kCuda;             ///< The compiler of the CUDA backen
 extern const char* const kMapsOfSource;     ///< Folder of the source tree.
 extern const char* const kMapsFromProgram;  ///< From the folder of the installed program.
 
-}  // namespace parloc::bench
+}  // namespace parloc::tools

@@ -1,9 +1,9 @@
-#include "tools/report/statistics.h"
+#include "tools/report/machine/statistics.h"
 
 #include <algorithm>
 #include <cmath>
 
-namespace parloc::bench {
+namespace parloc::tools {
 namespace {
 
 /// Linear between the two nearest of the sorted values.
@@ -16,7 +16,7 @@ double quantile(const std::vector<double>& sorted, double share) {
 
 }  // namespace
 
-TimeSummary summarise(std::vector<double> seconds) {
+TimeSummary summarise_times(std::vector<double> seconds) {
   if (seconds.empty()) return {};
   std::sort(seconds.begin(), seconds.end());
   const auto rank = static_cast<std::size_t>(std::ceil(0.99 * static_cast<double>(seconds.size())));
@@ -24,4 +24,4 @@ TimeSummary summarise(std::vector<double> seconds) {
           quantile(seconds, 0.75), seconds.front(),        seconds.back()};
 }
 
-}  // namespace parloc::bench
+}  // namespace parloc::tools

@@ -1,4 +1,4 @@
-#include "tools/report/png_writer.h"
+#include "tools/report/pictures/png_writer.h"
 
 #include <png.h>
 
@@ -7,7 +7,7 @@
 
 #include "common/error.h"
 
-namespace parloc {
+namespace parloc::tools {
 namespace {
 
 /// Everything but the pixels. libpng's simplified interface, because it reports errors without longjmp.
@@ -77,4 +77,4 @@ std::string png_data_uri(const std::string& png) {
   return uri;
 }
 
-}  // namespace parloc
+}  // namespace parloc::tools

@@ -1,8 +1,8 @@
-#include "tools/report/machine_json.h"
+#include "tools/report/machine/machine_json.h"
 
-#include "tools/report/build_info.h"
+#include "tools/report/machine/build_info.h"
 
-namespace parloc::bench {
+namespace parloc::tools {
 
 using Json = nlohmann::ordered_json;
 
@@ -30,4 +30,4 @@ std::string file_text(const Json& json) {
   return json.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
 }
 
-}  // namespace parloc::bench
+}  // namespace parloc::tools

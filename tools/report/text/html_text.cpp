@@ -1,10 +1,10 @@
-#include "tools/report/html_text.h"
+#include "tools/report/text/html_text.h"
 
 #include <fmt/format.h>
 
 #include <cstddef>
 
-namespace parloc {
+namespace parloc::tools {
 namespace {
 
 /// Bytes of the valid UTF-8 sequence at the start of `text`, 0 if there is none.
@@ -78,4 +78,4 @@ std::string number_text(double value, int decimals) {
   return text == "-0" ? "0" : text;
 }
 
-}  // namespace parloc
+}  // namespace parloc::tools

@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-namespace parloc::bench {
+namespace parloc::tools {
 
 struct Column {
   std::string group;  ///< Head over several columns; neighbours of the same group are never parted.
@@ -27,4 +27,4 @@ std::string markdown_text(const Table& table);
 /// A <table> of class "numbers"; all text is escaped.
 std::string html_text(const Table& table);
 
-}  // namespace parloc::bench
+}  // namespace parloc::tools

@@ -1,13 +1,13 @@
-#include "tools/report/plot_axis.h"
+#include "tools/report/plots/plot_axis.h"
 
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
 #include <iterator>
 
-#include "tools/report/html_text.h"
+#include "tools/report/text/html_text.h"
 
-namespace parloc {
+namespace parloc::tools {
 namespace {
 
 double nice_step(double span, int about) {
@@ -140,4 +140,4 @@ bool crowded(const std::vector<EnvelopeColumn>& columns) {
   return std::any_of(columns.begin(), columns.end(), [](const EnvelopeColumn& c) { return c.samples > 2; });
 }
 
-}  // namespace parloc
+}  // namespace parloc::tools

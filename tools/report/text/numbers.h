@@ -4,7 +4,7 @@
 #include <cstdint>
 #include <string>
 
-namespace parloc::bench {
+namespace parloc::tools {
 
 /// `digits` significant digits, no exponent: 0.00123, 45.6, 789, 12300. A dash for what is not finite.
 std::string significant(double value, int digits);
@@ -19,4 +19,4 @@ std::string size_text(std::int64_t particles, int beams);
 /// Whole numbers in groups: "16,777,216".
 std::string grouped(std::int64_t number);
 
-}  // namespace parloc::bench
+}  // namespace parloc::tools

@@ -4,7 +4,7 @@
 #include <cstddef>
 #include <vector>
 
-namespace parloc::bench {
+namespace parloc::tools {
 
 struct TimeSummary {
   std::size_t count = 0;
@@ -15,6 +15,6 @@ struct TimeSummary {
 };
 
 /// All zero of no times at all.
-TimeSummary summarise(std::vector<double> seconds);
+TimeSummary summarise_times(std::vector<double> seconds);
 
-}  // namespace parloc::bench
+}  // namespace parloc::tools

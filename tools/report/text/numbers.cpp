@@ -1,11 +1,11 @@
-#include "tools/report/numbers.h"
+#include "tools/report/text/numbers.h"
 
 #include <fmt/format.h>
 
 #include <algorithm>
 #include <cmath>
 
-namespace parloc::bench {
+namespace parloc::tools {
 
 std::string significant(double value, int digits) {
   if (!std::isfinite(value)) return "-";
@@ -43,4 +43,4 @@ std::string grouped(std::int64_t number) {
   return text;
 }
 
-}  // namespace parloc::bench
+}  // namespace parloc::tools

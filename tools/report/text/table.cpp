@@ -1,13 +1,13 @@
-#include "tools/report/table.h"
+#include "tools/report/text/table.h"
 
 #include <fmt/format.h>
 
 #include <algorithm>
 #include <iterator>
 
-#include "tools/report/html_text.h"
+#include "tools/report/text/html_text.h"
 
-namespace parloc::bench {
+namespace parloc::tools {
 namespace {
 
 constexpr std::size_t kGap = 2;
@@ -157,4 +157,4 @@ std::string html_text(const Table& t) {
   return html + "</tbody></table></div>\n";
 }
 
-}  // namespace parloc::bench
+}  // namespace parloc::tools

@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-namespace parloc {
+namespace parloc::tools {
 
 struct Rgba {
   std::uint8_t red = 0, green = 0, blue = 0, alpha = 255;
@@ -25,4 +25,4 @@ std::string encode_png_palette(std::int32_t width, std::int32_t height,
 /// "data:image/png;base64,..." for an image inside a web page.
 std::string png_data_uri(const std::string& png);
 
-}  // namespace parloc
+}  // namespace parloc::tools

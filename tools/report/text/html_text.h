@@ -5,7 +5,7 @@
 #include <string>
 #include <string_view>
 
-namespace parloc {
+namespace parloc::tools {
 
 /// Text as it may stand between tags and inside quoted attributes: & < > " ' are escaped, control characters
 /// (other than tab and newline) and bytes that are not UTF-8 become U+FFFD.
@@ -20,4 +20,4 @@ inline bool drawable(double value) {
   return std::abs(value) < 1e30;
 }
 
-}  // namespace parloc
+}  // namespace parloc::tools

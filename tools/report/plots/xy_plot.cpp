@@ -1,4 +1,4 @@
-#include "tools/report/xy_plot.h"
+#include "tools/report/plots/xy_plot.h"
 
 #include <fmt/format.h>
 
@@ -7,10 +7,10 @@
 #include <iterator>
 #include <utility>
 
-#include "tools/report/html_text.h"
-#include "tools/report/numbers.h"
+#include "tools/report/text/html_text.h"
+#include "tools/report/text/numbers.h"
 
-namespace parloc::bench {
+namespace parloc::tools {
 namespace {
 
 constexpr double kWidth = 460, kHeight = 340;  // user units; text is scaled with the rest
@@ -229,4 +229,4 @@ summary{cursor:pointer;color:var(--soft);margin:.4rem 0}
 )css";
 }
 
-}  // namespace parloc::bench
+}  // namespace parloc::tools

@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-namespace parloc::bench {
+namespace parloc::tools {
 
 enum class Marker { circle, square, triangle, diamond };
 
@@ -53,4 +53,4 @@ std::string render_legend(const std::vector<Curve>& curves);
 /// Beside report_style(): what these plots and the tables of numbers need.
 const char* bench_style();
 
-}  // namespace parloc::bench
+}  // namespace parloc::tools
