@@ -8,8 +8,8 @@
 #include <vector>
 
 #include "tests/unit/timing_rules.h"
-#include "tools/bench/bisect.h"
-#include "tools/bench/measure.h"
+#include "tools/bench/steps/bisect.h"
+#include "tools/bench/steps/measure.h"
 #include "tools/report/machine/statistics.h"
 
 namespace parloc::tools::bench {

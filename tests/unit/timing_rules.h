@@ -1,7 +1,7 @@
 // How long the tests of `parloc bench` may measure.
 #pragma once
 
-#include "tools/bench/measure.h"
+#include "tools/bench/steps/measure.h"
 
 namespace parloc::tools::bench {
 

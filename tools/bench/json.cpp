@@ -4,7 +4,7 @@
 
 #include "common/config/settings_table.h"
 #include "tools/bench/published.h"
-#include "tools/bench/scenes.h"
+#include "tools/bench/steps/scenes.h"
 #include "tools/report/machine/machine_json.h"
 
 namespace parloc::tools::bench {

@@ -87,7 +87,7 @@ std::string terminal_page(const Results& r) {
 std::string markdown_page(const Results& r) {
   std::string text = fmt::format("# parloc bench{}\n\n", r.scale ? ": how it scales" : "");
   text += fmt::format("Measured {} with `{}`.\n\n", r.date, r.command);
-  for (const auto& [name, value] : facts(r)) text += fmt::format("- {}: {}\n", name, value);
+  text += markdown_list(facts(r));
   for (const std::string& line : remarks(r)) text += fmt::format("- **{}**\n", line);
   for (const Place& place : r.places()) {
     text += fmt::format("\n## {}\n", heading(r, place));

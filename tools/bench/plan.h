@@ -5,8 +5,8 @@
 #include <string>
 #include <vector>
 
-#include "tools/bench/scenes.h"
-#include "tools/bench/variants.h"
+#include "tools/bench/steps/scenes.h"
+#include "tools/bench/steps/variants.h"
 
 namespace parloc::tools::bench {
 

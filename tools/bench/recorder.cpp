@@ -9,7 +9,7 @@
 #include <vector>
 
 #include "common/error.h"
-#include "tools/bench/memory.h"
+#include "tools/bench/steps/memory.h"
 
 namespace parloc::tools::bench {
 namespace {

@@ -5,10 +5,10 @@
 #include <memory>
 #include <string>
 
-#include "tools/bench/control.h"
 #include "tools/bench/results.h"
-#include "tools/bench/rig.h"
-#include "tools/bench/scenes.h"
+#include "tools/bench/steps/control.h"
+#include "tools/bench/steps/rig.h"
+#include "tools/bench/steps/scenes.h"
 
 namespace parloc::tools::bench {
 

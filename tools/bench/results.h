@@ -7,9 +7,9 @@
 #include <string>
 #include <vector>
 
-#include "tools/bench/measure.h"
-#include "tools/bench/rig.h"
-#include "tools/bench/variants.h"
+#include "tools/bench/steps/measure.h"
+#include "tools/bench/steps/rig.h"
+#include "tools/bench/steps/variants.h"
 #include "tools/report/machine/machine.h"
 #include "tools/report/machine/statistics.h"
 

@@ -9,10 +9,10 @@
 #include <string>
 
 #include "common/filter/stages.h"
-#include "tools/bench/bisect.h"
-#include "tools/bench/memory.h"
 #include "tools/bench/published.h"
 #include "tools/bench/recorder.h"
+#include "tools/bench/steps/bisect.h"
+#include "tools/bench/steps/memory.h"
 
 namespace parloc::tools::bench {
 namespace {

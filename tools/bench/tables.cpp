@@ -53,10 +53,10 @@ void append(std::vector<std::string>& cells, const std::vector<std::string>& mor
   cells.insert(cells.end(), more.begin(), more.end());
 }
 
-/// `published` on one thread, against which the others are compared; null if it was not measured.
+/// `paz2012` on one thread, against which the others are compared; null if it was not measured.
 const Row* baseline(const Results& results, const Place& place, std::int64_t particles, int beams) {
   for (std::size_t v = 0; v < results.variants.size(); ++v) {
-    if (results.variants[v] == Variant{Algorithm::published, BackendChoice::cpu, 1, 0})
+    if (results.variants[v] == Variant{Algorithm::paz2012, BackendChoice::cpu, 1, 0})
       return results.find(Sweep::tables, place, v, particles, beams);
   }
   return nullptr;

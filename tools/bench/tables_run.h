@@ -3,10 +3,10 @@
 
 #include <vector>
 
-#include "tools/bench/control.h"
 #include "tools/bench/plan.h"
 #include "tools/bench/results.h"
-#include "tools/bench/scenes.h"
+#include "tools/bench/steps/control.h"
+#include "tools/bench/steps/scenes.h"
 
 namespace parloc::tools::bench {
 

@@ -8,9 +8,9 @@
 
 #include "tools/compare/published.h"
 #include "tools/compare/run_all.h"
-#include "tools/report/html_page.h"
 #include "tools/report/machine/machine.h"
 #include "tools/report/machine/statistics.h"
+#include "tools/report/text/facts.h"
 #include "tools/report/text/table.h"
 
 namespace parloc::tools::compare {
@@ -51,8 +51,8 @@ struct Comparison {
 };
 
 /// What was compared, and how: name and value.
-Lines origin_lines(const Comparison& c);
-Lines machine_lines(const Comparison& c);
+Facts origin_facts(const Comparison& c);
+Facts machine_facts(const Comparison& c);
 
 /// One row per filter. The second holds what a clock has measured.
 Table error_table(const Comparison& c);

@@ -6,7 +6,8 @@
 #include <optional>
 
 #include "tools/compare/comparison.h"
-#include "tools/report/plots/xy_plot.h"
+#include "tools/report/html_page.h"
+#include "tools/report/plots/svg_plot.h"
 #include "tools/report/report_sections.h"
 #include "tools/report/text/html_text.h"
 
@@ -61,19 +62,15 @@ double longest_s(const Comparison& c) {
   return longest;
 }
 
-std::vector<Curve> drawn(const Curves& c, bool several) {
-  std::vector<Curve> curves;
-  curves.push_back({several ? "worst of all runs" : "a lost run", "c5", Marker::circle, false, c.worst_time_s,
-                    c.worst, false});
-  curves.push_back(
-      {several ? "root mean square of the runs that kept their robot" : "a run that kept its robot", "c1",
-       Marker::circle, false, c.rms_time_s, c.rms, false});
-  return curves;
+std::vector<PlotSeries> drawn(const Curves& c, bool several) {
+  return {{several ? "worst of all runs" : "a lost run", "c5", c.worst_time_s, c.worst, LineKind::exact},
+          {several ? "root mean square of the runs that kept their robot" : "a run that kept its robot", "c1",
+           c.rms_time_s, c.rms, LineKind::exact}};
 }
 
 /// One plot per filter, all with the same axes.
 std::string error_plots(const Comparison& c, Series series, const char* what, const char* unit,
-                        std::optional<Curve> limit = {}) {
+                        std::optional<PlotSeries> limit = {}) {
   const double until_s = longest_s(c);
   const bool several = c.request.seeds > 1;
   std::vector<Curves> all;
@@ -84,29 +81,31 @@ std::string error_plots(const Comparison& c, Series series, const char* what, co
     for (const double v : curves.worst) high = std::max(high, v);
   }
   std::string html = fmt::format("<h2>{}, {}</h2>\n", what, unit);
-  std::vector<Curve> legend = drawn({}, several);
+  std::vector<PlotSeries> legend = drawn({}, several);
   if (limit) legend.push_back(*limit);
   html += render_legend(legend);
   if (high >= kMost)
     html += fmt::format("<p class=\"note\">Drawn at {:g} {}: all that is more.</p>\n", kMost, unit);
-  html += "<div class=\"xys\">";
+  html += "<div class=\"sizes\">";
   for (std::size_t k = 0; k < all.size(); ++k) {
-    XyPlot plot;
-    plot.title = c.request.entries[k].label;
-    plot.x_name = "s since the start";
-    plot.unit = YUnit::plain;
-    plot.x_ticks = ticks_to(until_s);
-    if (high > 0.0) plot.y_span = {low, high};
-    plot.curves = drawn(all[k], several);
-    if (limit) plot.curves.push_back(*limit);
-    html += render(plot);
+    Plot plot{c.request.entries[k].label, "", PlotScale::logarithmic};
+    plot.legend = false;
+    if (high > 0.0) plot.span = {low, high};
+    plot.series = drawn(all[k], several);
+    if (limit) plot.series.push_back(*limit);
+    html += render_plot(plot, size_axis({until_s}, "s since the start", false, false));
   }
   return html + "</div>\n";
 }
 
-Curve lost_limit(const Comparison& c) {
-  const double until_s = longest_s(c);
-  return {"lost, if it ends above", "c6", Marker::circle, true, {0.0, until_s}, {kLost_m, kLost_m}, false};
+PlotSeries lost_limit(const Comparison& c) {
+  return {"lost, if it ends above",
+          "c6",
+          {0.0, longest_s(c)},
+          {kLost_m, kLost_m},
+          LineKind::exact,
+          Marker::none,
+          true};
 }
 
 /// The first column and `count` others.
@@ -148,8 +147,8 @@ std::string html_page(const Comparison& c) {
   html += error_tables(c) + html_text(time_table(c));
   html += error_plots(c, &TrackErrors::position_error_m, "Position errors", "m", lost_limit(c));
   html += error_plots(c, &TrackErrors::heading_error_rad, "Heading errors", "rad");
-  html += "<h2>What was compared</h2>\n" + facts_table(origin_lines(c)) + "<h2>Where it ran</h2>\n" +
-          facts_table(machine_lines(c));
+  html += "<h2>What was compared</h2>\n" + facts_table(origin_facts(c)) + "<h2>Where it ran</h2>\n" +
+          facts_table(machine_facts(c));
   return html + "</body></html>\n";
 }
 

@@ -4,7 +4,7 @@
 #include <iterator>
 
 #include "tools/compare/comparison.h"
-#include "tools/report/machine/build_info.h"
+#include "tools/report/machine/machine.h"
 #include "tools/report/text/numbers.h"
 
 namespace parloc::tools::compare {
@@ -43,38 +43,36 @@ std::string kidnapping_text(const Kidnapping& k) {
 
 }  // namespace
 
-Lines origin_lines(const Comparison& c) {
+Facts origin_facts(const Comparison& c) {
   const StartPlan& start = c.request.start;
-  Lines lines{{"drives", c.source}, {"map", c.map_path}};
-  lines.emplace_back("seeds",
-                     fmt::format("{} from {}{}", c.request.seeds, c.request.first_seed,
-                                 c.interrupted ? "; interrupted, the runs that were finished count" : ""));
+  Facts lines{{"drives", c.source}, {"map", c.map_path}};
+  lines.push_back(
+      {"seeds", fmt::format("{} from {}{}", c.request.seeds, c.request.first_seed,
+                            c.interrupted ? "; interrupted, the runs that were finished count" : "")});
   std::string told = fmt::format("spread {:g} m, {:g} rad", start.sigma_xy_m, start.sigma_theta_rad);
   if (start.off_m > 0.0 || start.off_rad > 0.0)
     told += fmt::format("; it is wrong by {:g} m and {:g} degrees", start.off_m,
                         start.off_rad * 180.0 / 3.14159265358979);
-  lines.emplace_back("start", told);
-  if (c.plan.kidnapping) lines.emplace_back("kidnapped", kidnapping_text(*c.plan.kidnapping));
+  lines.push_back({"start", told});
+  if (c.plan.kidnapping) lines.push_back({"kidnapped", kidnapping_text(*c.plan.kidnapping)});
   if (c.outcome.unmapped > 0)
-    lines.emplace_back("clutter", fmt::format("{:.1f} % of the hits are on things that are not on the map",
-                                              100.0 * static_cast<double>(c.outcome.unmapped) /
-                                                  static_cast<double>(c.outcome.hits)));
-  if (c.published != nullptr) lines.emplace_back("published", c.published->source);
-  lines.emplace_back("lost",
-                     fmt::format("farther than {0:g} m off at the end; '> {0:g} m': share of all scans "
-                                 "at which a run was so far off, lost or not",
-                                 kLost_m));
-  const std::string commit = kCommit[0] == '\0' ? "" : fmt::format(", commit {}", kCommit);
-  lines.emplace_back("build", fmt::format("parloc {}{}", kVersion, commit));
+    lines.push_back({"clutter", fmt::format("{:.1f} % of the hits are on things that are not on the map",
+                                            100.0 * static_cast<double>(c.outcome.unmapped) /
+                                                static_cast<double>(c.outcome.hits))});
+  if (c.published != nullptr) lines.push_back({"published", c.published->source});
+  lines.push_back({"lost", fmt::format("farther than {0:g} m off at the end; '> {0:g} m': share of all scans "
+                                       "at which a run was so far off, lost or not",
+                                       kLost_m)});
+  lines.push_back({"build", version_text()});
   return lines;
 }
 
-Lines machine_lines(const Comparison& c) {
-  Lines lines{{"machine", fmt::format("{}, {} core{}", c.machine.cpu, c.machine.cores,
+Facts machine_facts(const Comparison& c) {
+  Facts lines{{"machine", fmt::format("{}, {} core{}", c.machine.cpu, c.machine.cores,
                                       c.machine.cores == 1 ? "" : "s")}};
   std::string how = c.request.jobs == 1 ? std::string("one filter at a time, each in one thread")
                                         : fmt::format("{} at once, which disturb each other", c.request.jobs);
-  lines.emplace_back("times", how + fmt::format("; whole work {:.1f} s", c.wall_s));
+  lines.push_back({"times", how + fmt::format("; whole work {:.1f} s", c.wall_s)});
   return lines;
 }
 
@@ -133,25 +131,16 @@ Table time_table(const Comparison& c) {
 }
 
 std::string terminal_text(const Comparison& c) {
-  std::string text;
-  const auto print = [&](const Lines& lines) {
-    for (const auto& [name, value] : lines)
-      fmt::format_to(std::back_inserter(text), "{:<12}{}\n", name, value);
-    text += "\n";
-  };
-  print(origin_lines(c));
-  text += terminal_text(error_table(c), kWidth) + "\n" + terminal_text(time_table(c), kWidth) + "\n";
-  print(machine_lines(c));
-  text.pop_back();
-  return text;
+  constexpr std::size_t kNames = 12;
+  return aligned_text(origin_facts(c), kNames) + "\n" + terminal_text(error_table(c), kWidth) + "\n" +
+         terminal_text(time_table(c), kWidth) + "\n" + aligned_text(machine_facts(c), kNames);
 }
 
 std::string markdown_text(const Comparison& c) {
   std::string text = fmt::format("# Filters compared\n\n```\n{}\n```\n\n{}.\n\n", c.command, c.date);
-  for (const auto& [name, value] : origin_lines(c)) text += fmt::format("- {}: {}\n", name, value);
-  text += "\n" + markdown_text(error_table(c)) + "\n" + markdown_text(time_table(c)) + "\n";
-  for (const auto& [name, value] : machine_lines(c)) text += fmt::format("- {}: {}\n", name, value);
-  return text;
+  text += markdown_list(origin_facts(c)) + "\n" + markdown_text(error_table(c)) + "\n" +
+          markdown_text(time_table(c)) + "\n";
+  return text + markdown_list(machine_facts(c));
 }
 
 }  // namespace parloc::tools::compare

@@ -8,8 +8,8 @@
 #include "common/eval/trial_summary.h"
 #include "common/localize/localizer.h"
 #include "common/map/grid_map.h"
-#include "tools/report/html_page.h"
 #include "tools/report/machine/machine.h"
+#include "tools/report/text/facts.h"
 
 namespace parloc::tools::evaluate {
 
@@ -33,9 +33,9 @@ struct Evaluation {
 const char* name_of(TrialTask task);
 
 /// What a reader wants to know first, as sentences: name and value.
-Lines result_lines(const Evaluation& e);
-Lines time_lines(const Evaluation& e);    ///< What depends on the machine.
-Lines origin_lines(const Evaluation& e);  ///< What was evaluated, and how.
+Facts result_facts(const Evaluation& e);
+Facts time_facts(const Evaluation& e);    ///< What depends on the machine.
+Facts origin_facts(const Evaluation& e);  ///< What was evaluated, and how.
 /// "said 0.0 to 0.1: 12 samples, mean 0.03, right 1.2 %", the bins with samples.
 std::vector<std::vector<std::string>> reliability_rows(const Evaluation& e);
 

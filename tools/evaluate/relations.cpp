@@ -8,6 +8,7 @@
 #include "tools/evaluate/relations_tables.h"
 #include "tools/report/config_facts.h"
 #include "tools/report/machine/machine_json.h"
+#include "tools/report/relation_facts.h"
 
 namespace parloc::tools::evaluate {
 namespace {
@@ -62,7 +63,7 @@ RelationsReport judge_by_relations(const std::string& trajectory_path, const std
 
 std::string terminal_text(const RelationsReport& r) {
   std::string text;
-  for (const auto& [name, value] : origin_lines(r)) text += fmt::format("{:<18}{}\n", name, value);
+  text += aligned_text(origin_facts(r), 18);
   constexpr std::size_t kWidth = 100;
   return text + "\n" + terminal_text(error_table(r), kWidth) + "\n" +
          terminal_text(published_table(r), kWidth);

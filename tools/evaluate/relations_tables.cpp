@@ -17,16 +17,16 @@ std::string mean_and_std(double mean_m, double std_m) {
 
 }  // namespace
 
-Lines origin_lines(const RelationsReport& r) {
+Facts origin_facts(const RelationsReport& r) {
   const RelationErrors& e = r.errors;
-  Lines lines{{"trajectory", fmt::format("{}, {} poses", r.trajectory_path, r.trajectory.size())},
+  Facts lines{{"trajectory", fmt::format("{}, {} poses", r.trajectory_path, r.trajectory.size())},
               {"relations", fmt::format("{}, {} of {} have both poses in the trajectory", r.relations_path,
                                         e.compared, e.compared + e.without_pose)}};
   if (e.repeated_stamps > 0)
-    lines.emplace_back(
-        "warning",
-        fmt::format("{} the stamp of an earlier one, which is the one that counts",
-                    e.repeated_stamps == 1 ? "1 pose has" : fmt::format("{} poses have", e.repeated_stamps)));
+    lines.push_back(
+        {"warning", fmt::format("{} the stamp of an earlier one, which is the one that counts",
+                                e.repeated_stamps == 1 ? "1 pose has"
+                                                       : fmt::format("{} poses have", e.repeated_stamps))});
   return lines;
 }
 

@@ -4,13 +4,13 @@
 #include <vector>
 
 #include "tools/evaluate/relations.h"
-#include "tools/report/html_page.h"
+#include "tools/report/text/facts.h"
 #include "tools/report/text/table.h"
 
 namespace parloc::tools::evaluate {
 
 /// What was compared, and what is odd about it.
-Lines origin_lines(const RelationsReport& r);
+Facts origin_facts(const RelationsReport& r);
 /// Mean, standard deviation, RMSE, median and largest, of translation and rotation.
 Table error_table(const RelationsReport& r);
 /// The published logs that belong beside it: its own, or all if that is not said.

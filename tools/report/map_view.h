@@ -3,17 +3,14 @@
 
 #include <cstdint>
 #include <optional>
+#include <string>
 #include <vector>
 
 #include "common/map/grid_map.h"
+#include "tools/report/pictures/pixel.h"
 #include "tools/report/report.h"
 
 namespace parloc::tools {
-
-struct Pixel {
-  double x = 0.0;  ///< Right, 0 at the left edge.
-  double y = 0.0;  ///< Down, 0 at the top edge.
-};
 
 /// A window of a grid as an image: pixels are `down` cells wide, or 1 / `up` cells (one of the two is 1).
 /// The image stands upright in the grid's frame; without a map, in the map frame on a grid made up for it.
@@ -36,6 +33,10 @@ struct MapView {
 /// below `least_px`. Nothing if there is nothing to show. Throws Error{output} if the map's size and cells
 /// disagree.
 std::optional<MapView> fit_view(const RunReport& report, std::int32_t least_px, std::int32_t most_px);
+
+/// Throws Error{output} naming `path`, what is to be written, if there is nothing to show.
+MapView view_to_write(const std::string& path, const RunReport& report, std::int32_t least_px,
+                      std::int32_t most_px);
 
 /// The cells in the window, one per pixel, row 0 at the top. An occupied cell wins over all others in its
 /// pixel, else the more frequent of free and unknown.

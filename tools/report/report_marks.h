@@ -5,7 +5,7 @@
 #include <string>
 
 #include "tools/report/map_view.h"
-#include "tools/report/plots/svg_plot.h"
+#include "tools/report/plots/axis.h"
 #include "tools/report/report.h"
 
 namespace parloc::tools {
@@ -27,6 +27,6 @@ std::string arrow(const Pose& pose, const MapView& view, double length_px);
 std::string dot(const std::string& classes, const Pose& pose, const MapView& view);
 
 /// Since the start of the axis, in its unit.
-std::string time_text(const TimeAxis& axis, double stamp_s);
+std::string time_text(const Axis& axis, double stamp_s);
 
 }  // namespace parloc::tools

@@ -12,6 +12,7 @@
 #include <string_view>
 
 #include "common/filter/backend.h"
+#include "tools/report/machine/build_info.h"
 
 namespace parloc::tools {
 namespace {
@@ -82,6 +83,10 @@ Machine machine_here() {
   m.devices = describe_devices();
   m.settings = thread_settings();
   return m;
+}
+
+std::string version_text() {
+  return fmt::format("parloc {}{}", kVersion, kCommit[0] == '\0' ? "" : fmt::format(", commit {}", kCommit));
 }
 
 std::string date_now() {

@@ -24,6 +24,9 @@ Machine machine_here();
 /// The CPU's cores that this program may run on.
 int cores_here();
 
+/// "parloc 0.1.0, commit 0123abc", without the latter where it is not known.
+std::string version_text();
+
 /// Now, in UTC: "2026-01-31T12:00:00Z".
 std::string date_now();
 

@@ -1,7 +1,7 @@
 // Colours and sizes of the pictures: Okabe and Ito's colours, as in the HTML report.
 #pragma once
 
-#include "tools/report/pictures/canvas.h"
+#include "tools/report/pictures/pixel.h"
 
 namespace parloc::tools {
 
@@ -13,6 +13,6 @@ inline constexpr Rgba robot_colour = {213, 94, 0, 255};
 inline constexpr Rgba white = {255, 255, 255, 255}, ink = {25, 28, 32, 255};
 inline constexpr Rgba unknown_colour = {223, 226, 229, 255};
 
-inline constexpr std::int32_t text_scale = 2, line_px = 26, margin_px = 14;
+inline constexpr std::int32_t line_px = 26, margin_px = 14;
 
 }  // namespace parloc::tools

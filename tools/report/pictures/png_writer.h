@@ -5,11 +5,9 @@
 #include <string>
 #include <vector>
 
-namespace parloc::tools {
+#include "tools/report/pictures/pixel.h"
 
-struct Rgba {
-  std::uint8_t red = 0, green = 0, blue = 0, alpha = 255;
-};
+namespace parloc::tools {
 
 enum class PngEffort { small, fast };  ///< What counts more: the size of the file, or the time.
 

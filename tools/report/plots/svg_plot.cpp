@@ -3,201 +3,128 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <cmath>
-#include <cstddef>
 #include <iterator>
-#include <numeric>
 #include <optional>
 
-#include "tools/report/plots/plot_axis.h"
+#include "tools/report/plots/plot_shapes.h"
 #include "tools/report/text/html_text.h"
 
 namespace parloc::tools {
 namespace {
 
-constexpr int plot_columns = 1000;
-constexpr double plot_width = 1000, plot_height = 200;  // user units; stretched to the page
+constexpr double kWidth = 1000, kHeight = 200;  // user units; stretched to the page
 
-double y_of(const ValueAxis& axis, double value) {
-  return plot_height * (1.0 - axis.fraction(value));
-}
+constexpr const char* kClasses[] = {"grid", "band",   "band full", "line pale",
+                                    "line", "dashes", "dash",      "tick"};  // as enum ShapeKind
 
-/// Through the extremes of each column, or through the means.
-std::string curve_path(const std::vector<EnvelopeColumn>& columns, const ValueAxis& axis, bool means) {
-  std::string d;
+/// One piece of a path; a lone point shows as a dot.
+void append_piece(std::string& d, const std::vector<Pixel>& piece) {
   auto out = std::back_inserter(d);
-  bool pen_down = false;
-  for (const EnvelopeColumn& c : columns) {
-    const char command = pen_down && !c.gap_before ? 'L' : 'M';
-    const double low_y = y_of(axis, means ? c.mean : c.low), high_y = y_of(axis, means ? c.mean : c.high);
-    fmt::format_to(out, "{}{:.1f} {:.1f}", command, plot_width * c.x, low_y);
-    if (low_y - high_y >= 0.05) fmt::format_to(out, "V{:.1f}", high_y);
-    if (low_y - high_y < 0.05 && command == 'M') d += "h0";  // a lone sample shows as a dot
-    pen_down = true;
+  for (std::size_t k = 0; k < piece.size(); ++k) {
+    const double x = kWidth * piece[k].x, y = kHeight * piece[k].y;
+    if (k > 0 && piece[k].x == piece[k - 1].x)
+      fmt::format_to(out, "V{:.1f}", y);
+    else if (k > 0 && piece[k].y == piece[k - 1].y)
+      fmt::format_to(out, "H{:.1f}", x);
+    else
+      fmt::format_to(out, "{}{:.1f} {:.1f}", k == 0 ? 'M' : 'L', x, y);
   }
-  return d;
+  if (piece.size() == 1) d += "h0";
 }
 
-std::string band_path(const std::vector<EnvelopeColumn>& columns, const ValueAxis& axis) {
+std::string path_of(const PlotShape& shape) {
   std::string d;
-  auto out = std::back_inserter(d);
-  for (std::size_t k = 0; k < columns.size(); ++k) {
-    fmt::format_to(out, "{}{:.1f} {:.1f}", k == 0 ? 'M' : 'L', plot_width * columns[k].x,
-                   y_of(axis, columns[k].high));
+  for (const std::vector<Pixel>& piece : shape.pieces) {
+    append_piece(d, piece);
+    if ((shape.kind == ShapeKind::band || shape.kind == ShapeKind::area) && !d.empty()) d += 'Z';
   }
-  for (std::size_t k = columns.size(); k-- > 0;) {
-    fmt::format_to(out, "L{:.1f} {:.1f}", plot_width * columns[k].x, y_of(axis, -columns[k].high));
-  }
-  return d.empty() ? d : d + "Z";
+  if (d.empty()) return "";
+  return fmt::format("<path class=\"{} {}\" d=\"{}\"/>", kClasses[static_cast<int>(shape.kind)],
+                     escape_html(shape.colour), d);
 }
 
-/// One tick per column at most.
-std::string marks_path(const PlotMarks& marks, const TimeAxis& axis) {
-  std::vector<bool> seen(plot_columns + 1, false);
-  for (const double stamp : marks.stamp_s) {
-    const double fraction = drawable(stamp) ? axis.fraction(stamp) : -1.0;
-    if (fraction >= 0.0 && fraction <= 1.0) seen[static_cast<std::size_t>(fraction * plot_columns)] = true;
-  }
-  std::string d;
-  constexpr double row_height = 10;
-  for (std::size_t k = 0; k < seen.size(); ++k) {
-    if (seen[k])
-      fmt::format_to(std::back_inserter(d), "M{} {:.0f}v-8", k, plot_height - row_height * marks.row);
-  }
-  return d;
+/// Around the origin, in pixels of the page.
+std::string marker_path(const PlotSeries& series) {
+  constexpr const char* kMarkers[] = {"", "M-3.6 0a3.6 3.6 0 1 0 7.2 0a3.6 3.6 0 1 0 -7.2 0Z",
+                                      "M-3.4 -3.4h6.8v6.8h-6.8Z", "M0 -4l4 7h-8Z",
+                                      "M0 -4.6l4.6 4.6l-4.6 4.6l-4.6 -4.6Z"};  // as enum Marker
+  if (series.marker == Marker::none) return "";
+  return fmt::format("<path class=\"{} {}\" d=\"{}\"/>", series.dashed ? "hollow" : "solid",
+                     escape_html(series.colour), kMarkers[static_cast<int>(series.marker)]);
 }
 
-std::string grid_path(const std::vector<AxisTick>& y_ticks, const std::vector<AxisTick>& x_ticks,
-                      const ValueAxis& axis, double x_span) {
-  std::string d;
-  auto out = std::back_inserter(d);
-  for (const AxisTick& tick : y_ticks)
-    fmt::format_to(out, "M0 {:.1f}H{:.0f}", y_of(axis, tick.value), plot_width);
-  for (const AxisTick& tick : x_ticks) {
-    fmt::format_to(out, "M{:.1f} 0V{:.0f}", plot_width * tick.value / x_span, plot_height);
+/// Over the stretched lines, as they must keep their form.
+std::string markers(const Plot& plot, const Axis& x, const Axis& y) {
+  std::string svg;
+  for (const PlotSeries& s : plot.series) {
+    const std::string path = marker_path(s);
+    for (std::size_t k = 0; !path.empty() && k < std::min(s.x.size(), s.y.size()); ++k) {
+      if (!x.takes(s.x[k]) || !y.takes(s.y[k])) continue;
+      svg += fmt::format("<svg x=\"{:.2f}%\" y=\"{:.2f}%\">{}</svg>", 100 * x.fraction(s.x[k]),
+                         100 * (1.0 - y.fraction(s.y[k])), path);
+    }
   }
-  return d;
+  return svg.empty() ? "" : "<svg class=\"points\" aria-hidden=\"true\">" + svg + "</svg>";
 }
 
-void append_path(std::string& html, const std::string& classes, const std::string& d) {
-  if (!d.empty()) fmt::format_to(std::back_inserter(html), "<path class=\"{}\" d=\"{}\"/>", classes, d);
+std::string series_key(const PlotSeries& s) {
+  if (s.label.empty()) return "";
+  return fmt::format(
+      "<span class=\"key\"><svg viewBox=\"-16 -7 32 14\" aria-hidden=\"true\"><path class=\"{} {}\" "
+      "d=\"M-15 0H15\"/>{}</svg>{}</span>",
+      s.dashed ? "dashes" : "line", escape_html(s.colour), marker_path(s), escape_html(s.label));
 }
 
 std::string legend(const Plot& plot) {
   std::string html;
   const auto add = [&](const std::string& kind, const std::string& colour, const std::string& label) {
     if (label.empty()) return;
-    fmt::format_to(std::back_inserter(html), "<span class=\"key\"><i class=\"{} {}\"></i>{}</span>", kind,
-                   escape_html(colour), escape_html(label));
+    html += fmt::format("<span class=\"key\"><i class=\"{} {}\"></i>{}</span>", kind, escape_html(colour),
+                        escape_html(label));
   };
-  for (const PlotSeries& s : plot.series) add("line", s.colour, s.label);
+  for (const PlotSeries& s : plot.series) html += series_key(s);
   for (const PlotBand& b : plot.bands) add("area", b.colour, b.label);
-  for (const PlotLevel& l : plot.levels) add("dash", l.colour, l.label);
-  for (const PlotMarks& m : plot.marks) {
-    if (!m.stamp_s.empty()) add("tick", m.colour, m.label);
-  }
+  for (const PlotLevel& l : plot.levels) add("dash", l.colour, l.labelled_there ? "" : l.label);
+  for (const PlotMarks& m : plot.marks) add("tick", m.colour, m.x.empty() ? "" : m.label);
   return html;
 }
 
-/// One line; for a long series its means, over a pale area from minimum to maximum.
-void append_series(std::string& svg, const PlotSeries& series, const TimeAxis& time, const ValueAxis& axis) {
-  const std::vector<EnvelopeColumn> columns = envelope(time, series.stamp_s, series.y, plot_columns);
-  const std::string colour = escape_html(series.colour);
-  const bool pale = crowded(columns);
-  append_path(svg, (pale ? "line pale " : "line ") + colour, curve_path(columns, axis, false));
-  if (pale) append_path(svg, "line " + colour, curve_path(columns, axis, true));
-}
-
-std::string drawing(const Plot& plot, const TimeAxis& time, const ValueAxis& axis, const std::string& grid) {
-  std::string svg = fmt::format(
-      "<svg viewBox=\"0 0 {:.0f} {:.0f}\" preserveAspectRatio=\"none\" role=\"img\" "
+std::string area(const Plot& plot, const Axis& x, const Axis& y) {
+  std::string html = fmt::format(
+      "<div class=\"area\"><svg viewBox=\"0 0 {:.0f} {:.0f}\" preserveAspectRatio=\"none\" role=\"img\" "
       "aria-label=\"{}\">",
-      plot_width, plot_height, escape_html(plot.title));
-  append_path(svg, "grid", grid);
-  for (const PlotBand& b : plot.bands) {
-    append_path(svg, "band " + escape_html(b.colour),
-                band_path(envelope(time, b.stamp_s, b.half, plot_columns), axis));
-  }
-  for (const PlotSeries& s : plot.series) append_series(svg, s, time, axis);
+      kWidth, kHeight, escape_html(plot.title));
+  for (const PlotShape& shape : shapes_of(plot, x, y)) html += path_of(shape);
+  html += "</svg>" + markers(plot, x, y);
   for (const PlotLevel& l : plot.levels) {
-    if (!drawable(l.y)) continue;
-    append_path(svg, "dash " + escape_html(l.colour),
-                fmt::format("M0 {:.1f}H{:.0f}", y_of(axis, l.y), plot_width));
+    if (l.labelled_there && y.takes(l.y))
+      html += fmt::format("<span style=\"bottom:{:.2f}%\">{}</span>", 100 * y.fraction(l.y),
+                          escape_html(l.label));
   }
-  for (const PlotMarks& m : plot.marks)
-    append_path(svg, "tick " + escape_html(m.colour), marks_path(m, time));
-  return svg + "</svg>";
+  return html + "<div class=\"now\"></div></div>";
 }
 
 }  // namespace
 
-TimeAxis time_axis(const std::vector<double>& stamps_s) {
-  double low = 0.0, high = 0.0;
-  bool any = false;
-  for (const double stamp : stamps_s) {
-    if (!drawable(stamp)) continue;
-    low = any ? std::min(low, stamp) : stamp;
-    high = any ? std::max(high, stamp) : stamp;
-    any = true;
-  }
-  const double span = high > low ? high - low : 1.0;
-  if (span <= 600) return {low, span, 1, "s"};
-  return span <= 3 * 3600 ? TimeAxis{low, span, 60, "min"} : TimeAxis{low, span, 3600, "h"};
-}
-
-std::vector<EnvelopeColumn> envelope(const TimeAxis& axis, const std::vector<double>& stamp_s,
-                                     const std::vector<double>& y, int columns) {
-  std::vector<std::size_t> order;
-  for (std::size_t k = 0; k < std::min(stamp_s.size(), y.size()); ++k) {
-    if (drawable(stamp_s[k])) order.push_back(k);
-  }
-  std::stable_sort(order.begin(), order.end(),
-                   [&](std::size_t a, std::size_t b) { return stamp_s[a] < stamp_s[b]; });
-  std::vector<EnvelopeColumn> result;
-  bool gap = false;
-  int last_column = -1;
-  for (const std::size_t k : order) {
-    if (!drawable(y[k])) {
-      gap = true;
-      continue;
-    }
-    const double x = std::clamp(axis.fraction(stamp_s[k]), 0.0, 1.0);
-    const int column = static_cast<int>(x * columns);
-    if (column == last_column) {
-      result.back().low = std::min(result.back().low, y[k]);
-      result.back().high = std::max(result.back().high, y[k]);
-      result.back().mean += (y[k] - result.back().mean) / static_cast<double>(++result.back().samples);
-    } else {
-      result.push_back({x, y[k], y[k], y[k], 1, gap});
-      gap = false;
-    }
-    last_column = column;
-  }
-  return result;
-}
-
-std::string render_plot(const Plot& plot, const TimeAxis& axis) {
-  const std::optional<ValueAxis> fitted = value_axis(plot);
+std::string render_plot(const Plot& plot, const Axis& x) {
+  const std::optional<Axis> fitted = value_axis(plot);
   if (!fitted) return "";
-  const ValueAxis& value = *fitted;
-  const std::vector<AxisTick> y_ticks = ticks(value), x_ticks = ticks(axis);
-  const double x_span = axis.span_s / axis.unit_s;
+  const Axis& y = *fitted;
+  const std::string unit = plot.unit.empty() ? "" : " [" + escape_html(plot.unit) + remark(plot, y) + "]";
+  std::string html = "<figure class=\"plot\"><figcaption><b>" + escape_html(plot.title) + "</b>" + unit +
+                     (plot.legend ? legend(plot) : "") + "</figcaption><div class=\"axes\"><div class=\"y\">";
+  for (const Tick& t : ticks(y))
+    html += fmt::format("<span style=\"top:{:.2f}%\">{}</span>", 100 * (1.0 - t.at), t.label);
+  html += "</div>" + area(plot, x, y) + "<div class=\"x\">";
+  for (const Tick& t : ticks(x))
+    html += fmt::format("<span style=\"left:{:.2f}%\">{}</span>", 100 * t.at, t.label);
+  return html + "<em>" + escape_html(x.name) + "</em></div></div></figure>\n";
+}
 
-  std::string html = "<figure class=\"plot\"><figcaption><b>" + escape_html(plot.title) + "</b> [" +
-                     escape_html(plot.unit) + remark(value) + "]" + legend(plot) +
-                     "</figcaption><div class=\"axes\"><div class=\"y\">";
-  auto out = std::back_inserter(html);
-  for (const AxisTick& t : y_ticks) {
-    fmt::format_to(out, "<span style=\"top:{:.2f}%\">{}</span>", 100 * (1.0 - value.fraction(t.value)),
-                   t.label);
-  }
-  html += "</div><div class=\"area\">" +
-          drawing(plot, axis, value, grid_path(y_ticks, x_ticks, value, x_span)) +
-          "<div class=\"now\"></div></div><div class=\"x\">";
-  for (const AxisTick& t : x_ticks) {
-    fmt::format_to(out, "<span style=\"left:{:.2f}%\">{}</span>", 100 * t.value / x_span, t.label);
-  }
-  return html + "<em>" + axis.unit + "</em></div></div></figure>\n";
+std::string render_legend(const std::vector<PlotSeries>& series) {
+  std::string html = "<p class=\"legend\">";
+  for (const PlotSeries& s : series) html += series_key(s);
+  return html + "</p>\n";
 }
 
 }  // namespace parloc::tools

@@ -1,4 +1,4 @@
-#include "tools/bench/variants.h"
+#include "tools/bench/steps/variants.h"
 
 #include <fmt/format.h>
 
@@ -40,7 +40,7 @@ std::string name_of(const Variant& v) {
 }
 
 BackendConfig backend_config(const Variant& v, std::int64_t particles) {
-  const bool published = v.algorithm == Algorithm::published;
+  const bool paz2012 = v.algorithm == Algorithm::paz2012;
   BackendConfig config;
   config.particles = particles;
   config.threads = v.threads;
@@ -48,9 +48,9 @@ BackendConfig backend_config(const Variant& v, std::int64_t particles) {
   config.sensor = default_sensor(SensorModel::gaussian);
   config.sensor.sigma_hit = 0.1;
   config.sensor.tempering = 1.0;
-  config.sensor.caster = published ? RayCaster::fixed_step : RayCaster::skip;
+  config.sensor.caster = paz2012 ? RayCaster::fixed_step : RayCaster::skip;
   config.sensor.fixed_step_cells = 0.5;
-  config.resample.scheme = published ? ResampleScheme::multinomial_linear : ResampleScheme::systematic;
+  config.resample.scheme = paz2012 ? ResampleScheme::multinomial_linear : ResampleScheme::systematic;
   config.resample.threshold = 1.0;  // every step
   return config;
 }

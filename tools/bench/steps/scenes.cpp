@@ -1,4 +1,4 @@
-#include "tools/bench/scenes.h"
+#include "tools/bench/steps/scenes.h"
 
 #include <fmt/format.h>
 

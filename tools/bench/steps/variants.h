@@ -11,10 +11,11 @@
 namespace parloc::tools::bench {
 
 enum class Algorithm {
-  published,  ///< As Paz et al. 2012 describe it: fixed-step rays, multinomial resampling by linear search.
-  parloc,     ///< Exact rays by skipping, systematic resampling.
+  paz2012,  ///< As Paz et al. 2012 describe it: fixed-step rays, multinomial resampling by linear search. Run
+            ///< here: the figures that they published are in published.h.
+  parloc,   ///< Exact rays by skipping, systematic resampling.
 };
-inline constexpr std::array<const char*, 2> kAlgorithmNames{"published", "parloc"};
+inline constexpr std::array<const char*, 2> kAlgorithmNames{"paz2012", "parloc"};
 
 struct Variant {
   Algorithm algorithm = Algorithm::parloc;

@@ -6,7 +6,7 @@
 #include <optional>
 #include <string>
 
-#include "tools/bench/variants.h"
+#include "tools/bench/steps/variants.h"
 
 namespace parloc::tools::bench {
 

@@ -1,4 +1,4 @@
-#include "tools/bench/memory.h"
+#include "tools/bench/steps/memory.h"
 
 #include <fmt/format.h>
 #include <sys/resource.h>

@@ -1,4 +1,4 @@
-#include "tools/bench/maps_folder.h"
+#include "tools/bench/steps/maps_folder.h"
 
 #include <fmt/format.h>
 

@@ -4,7 +4,7 @@
 #include <functional>
 #include <optional>
 
-#include "tools/bench/control.h"
+#include "tools/bench/steps/control.h"
 #include "tools/report/machine/statistics.h"
 
 namespace parloc::tools::bench {

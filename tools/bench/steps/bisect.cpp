@@ -1,4 +1,4 @@
-#include "tools/bench/bisect.h"
+#include "tools/bench/steps/bisect.h"
 
 #include <algorithm>
 #include <cmath>

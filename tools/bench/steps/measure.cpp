@@ -1,4 +1,4 @@
-#include "tools/bench/measure.h"
+#include "tools/bench/steps/measure.h"
 
 #include <utility>
 #include <vector>

@@ -1,6 +1,6 @@
-#include "tools/bench/rig.h"
+#include "tools/bench/steps/rig.h"
 
-#include "tools/bench/control.h"
+#include "tools/bench/steps/control.h"
 
 namespace parloc::tools::bench {
 namespace {

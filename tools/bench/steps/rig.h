@@ -10,8 +10,8 @@
 #include "common/filter/backend.h"
 #include "common/model/beams.h"
 #include "common/model/motion.h"
-#include "tools/bench/scenes.h"
-#include "tools/bench/variants.h"
+#include "tools/bench/steps/scenes.h"
+#include "tools/bench/steps/variants.h"
 
 namespace parloc::tools::bench {
 

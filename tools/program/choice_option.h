@@ -1,0 +1,31 @@
+// An option of the command line that takes one of the words of a setting.
+#pragma once
+
+#include <CLI/CLI.hpp>
+#include <array>
+#include <cstddef>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "common/config/settings_table.h"
+
+namespace parloc::tools {
+
+/// `value_name` stands for the word in the help. CLI11 refuses every other word and names these.
+template <class Enum, std::size_t n>
+CLI::Option* add_choice_option(CLI::App& app, const std::string& name, std::optional<Enum>& target,
+                               const std::array<Choice<Enum>, n>& choices, const std::string& value_name,
+                               const std::string& help) {
+  std::vector<std::string> words;
+  for (const Choice<Enum>& choice : choices) words.emplace_back(choice.name);
+  const auto take = [&target, choices](const std::string& word) {
+    for (const Choice<Enum>& choice : choices)
+      if (word == choice.name) target = choice.value;
+  };
+  return app.add_option_function<std::string>(name, take, help)
+      ->type_name(value_name)
+      ->check(CLI::IsMember(words));
+}
+
+}  // namespace parloc::tools
