@@ -221,8 +221,8 @@ TEST(Variants, AreTheTwoAlgorithmsOnOneThreadAndOnAll) {
   for (const Variant& v : choose_variants(both, 3).variants) {
     if (v.backend == BackendChoice::cpu) names.push_back(name_of(v));
   }
-  EXPECT_EQ(names, (std::vector<std::string>{"published, 1 thread", "published, 3 threads",
-                                             "parloc, 1 thread", "parloc, 3 threads"}));
+  EXPECT_EQ(names, (std::vector<std::string>{"paz2012, 1 thread", "paz2012, 3 threads", "parloc, 1 thread",
+                                             "parloc, 3 threads"}));
   const VariantChoice alone = choose_variants({Algorithm::paz2012}, 1);
   ASSERT_EQ(alone.variants.size(), 1u);
   ASSERT_EQ(alone.notes.size(), 1u);
