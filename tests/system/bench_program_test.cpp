@@ -192,12 +192,12 @@ TEST_F(BenchProgram, OnOneCore) {
 }
 
 TEST_F(BenchProgram, WithTooLittleMemoryItSaysWhatItSkipped) {
-  // A million particles need 200 MB, a quarter of them 100 MB. A thread's stack and arena take address space,
-  // too: one thread.
+  // A million particles need 200 MB, a quarter of them 100 MB. A thread's stack and arena and the libraries
+  // take address space, too: one thread.
   const Args args{"bench",   "--scale",     "--scene", "no_hit",    "--seconds", "0.001", "--max-particles",
                   "1048576", "--max-beams", "50",      "--threads", "1",         "--out", path("out")};
   const pid_t child = runner.start(args, "", [] {
-    const rlimit limit{180'000'000, 180'000'000};
+    const rlimit limit{200'000'000, 200'000'000};
     setrlimit(RLIMIT_AS, &limit);
   });
   const Outcome outcome = runner.finish(child);

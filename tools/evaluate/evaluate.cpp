@@ -51,7 +51,7 @@ void declare(CLI::App& app, EvaluateOptions& o) {
   add_text_option(app, "--starts", o.starts, "K", "Spread over the log")->group("");
   add_text_option(app, "--map", o.map, "M.yaml", "Map to localize on (the scenario's)");
   add_text_option(app, "--task", o.task, "WHAT", "global, kidnap or track (global)")
-      ->check(CLI::IsMember({"global", "kidnap", "track"}));
+      ->check(one_of({"global", "kidnap", "track"}));
   add_text_option(app, "--trials", o.trials, "N", "How many (100; of a log, all starts)");
   add_text_option(app, "--seed", o.seed, "FIRST", "First seed; of a log, first start (1)");
   add_text_option(app, "--duration", o.duration, "S", "Of a trial (limit + 10; of a log, to its end)");

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "common/config/settings_table.h"
+#include "tools/program/text_option.h"
 
 namespace parloc::tools {
 
@@ -23,9 +24,7 @@ CLI::Option* add_choice_option(CLI::App& app, const std::string& name, std::opti
     for (const Choice<Enum>& choice : choices)
       if (word == choice.name) target = choice.value;
   };
-  return app.add_option_function<std::string>(name, take, help)
-      ->type_name(value_name)
-      ->check(CLI::IsMember(words));
+  return app.add_option_function<std::string>(name, take, help)->type_name(value_name)->check(one_of(words));
 }
 
 }  // namespace parloc::tools
