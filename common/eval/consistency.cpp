@@ -4,6 +4,8 @@
 #include <cmath>
 #include <limits>
 
+#include "common/math/quantile.h"
+
 namespace parloc {
 
 namespace {
@@ -23,16 +25,6 @@ double normalised_error_squared(const Covariance& covariance, double x_m, double
   const double square = z0 * z0 + z1 * z1 + z2 * z2;
   return std::isfinite(square) ? square : std::numeric_limits<double>::quiet_NaN();
 }
-
-namespace {
-
-double median(std::vector<double> values) {
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  return *middle;
-}
-
-}  // namespace
 
 Consistency check_consistency(const TrackErrors& errors, const std::vector<StampedCovariance>& covariances) {
   constexpr double kChiSquare95 = 7.814727903251179;
@@ -60,7 +52,7 @@ Consistency check_consistency(const TrackErrors& errors, const std::vector<Stamp
   c.compared = c.nees.size();
   const double n = static_cast<double>(c.compared);  // none: 0 / 0 is NaN, as it should be
   c.nees_mean = sum / n;
-  c.nees_median = c.nees.empty() ? std::numeric_limits<double>::quiet_NaN() : median(c.nees);
+  c.nees_median = upper_median(ascending(c.nees));
   c.within_95 = static_cast<double>(within) / n;
   c.x_mean = x_sum / n;
   c.y_mean = y_sum / n;

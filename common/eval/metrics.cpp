@@ -12,6 +12,7 @@
 #include "common/file/line_reader.h"
 #include "common/file/text_rows.h"
 #include "common/math/portable64.h"
+#include "common/math/quantile.h"
 
 namespace parloc {
 
@@ -68,14 +69,6 @@ struct Summary {
   double mean_abs = 0.0, rmse = 0.0, max_abs = 0.0, median_abs = 0.0, p95_abs = 0.0, std_abs = 0.0;
 };
 
-/// Between order statistics, linear.
-double quantile(const std::vector<double>& sorted, double share) {
-  const double rank = share * (static_cast<double>(sorted.size()) - 1.0);
-  const auto low = static_cast<std::size_t>(rank);
-  const std::size_t high = std::min(low + 1, sorted.size() - 1);
-  return sorted[low] + (rank - static_cast<double>(low)) * (sorted[high] - sorted[low]);
-}
-
 // Of no values: all NaN, so that nothing is taken for a perfect result. One NaN among the values makes all
 // NaN.
 Summary summarise(const std::vector<double>& values) {
@@ -96,8 +89,8 @@ Summary summarise(const std::vector<double>& values) {
   s.std_abs = std::sqrt(s.std_abs);
   std::sort(sizes.begin(), sizes.end());
   s.max_abs = sizes.back();
-  s.median_abs = quantile(sizes, 0.5);
-  s.p95_abs = quantile(sizes, 0.95);
+  s.median_abs = interpolated_quantile(sizes, 0.5);
+  s.p95_abs = interpolated_quantile(sizes, 0.95);
   return s;
 }
 

@@ -5,6 +5,8 @@
 #include <limits>
 #include <utility>
 
+#include "common/math/quantile.h"
+
 namespace parloc {
 namespace {
 
@@ -85,11 +87,8 @@ void add_errors(const TrialPlan& plan, const std::vector<TrialResult>& trials, T
 }  // namespace
 
 Spread spread_of(std::vector<double> values) {
-  const std::size_t n = values.size();
-  if (n == 0) return {0, kNan, kNan, kNan};
-  std::sort(values.begin(), values.end());
-  const double median = n % 2 == 1 ? values[n / 2] : 0.5 * (values[n / 2 - 1] + values[n / 2]);
-  return {n, median, values[(95 * n + 99) / 100 - 1], values.back()};
+  const std::vector<double> sorted = ascending(std::move(values));
+  return {sorted.size(), median(sorted), nearest_rank(sorted, 95), nearest_rank(sorted, 100)};
 }
 
 MeanInterval mean_interval(const std::vector<double>& values) {

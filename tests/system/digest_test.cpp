@@ -126,7 +126,7 @@ TEST_P(Digest, OfARealLogIsPinned) {
     // The digest is worth pinning only if the run resampled, too, in not every step but with the Gaussian,
     // for which (and for s5) one beam past a corner decides.
     std::size_t resampled = 0;
-    for (const StepRecord& step : result.steps) resampled += step.resampled ? 1 : 0;
+    for (const tools::StepRecord& step : result.steps) resampled += step.resampled ? 1 : 0;
     const bool has_no_floor = GetParam() == SensorModel::gaussian || GetParam() == SensorModel::s5;
     EXPECT_GT(resampled, 5u);
     EXPECT_LT(resampled, kCorridorScans + (has_no_floor ? 1 : 0));

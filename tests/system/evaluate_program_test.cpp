@@ -124,7 +124,7 @@ TEST_F(EvaluateProgram, ErrorsAreOneLineWithACode) {
       {with(scenario, {"--trials", "0"}), 2, "--trials"},
       {with(scenario, {"--trials", "-3"}), 2, "--trials"},
       {with(scenario, {"--trials", "many"}), 2, "--trials"},
-      {with(scenario, {"--task", "dance"}), 2, "global, kidnap or track"},
+      {with(scenario, {"--task", "dance"}), 2, "--task: dance not in {global,kidnap,track}"},
       {with(scenario, {"--jobs", "0"}), 2, "--jobs"},
       {with(scenario, {"--particles", "0"}), 2, "particles"},
       {with(scenario, {"--range", "nan"}), 2, "--range"},

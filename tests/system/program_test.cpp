@@ -188,7 +188,7 @@ TEST_F(Program, ErrorsAreOneLineAndDestroyNothing) {
       {run_args({init, "--threads", "-2"}), 2, "threads must be 0 to 1024"},
       {{"run", "--map", path("room.yaml"), "--log", path("drive.log"), init, "--backend", "gpu"},
        2,
-       "auto, cpu or cuda"},
+       "--backend: gpu not in {auto,cpu,cuda}"},
       {run_args({}), 2, "--init"},
       {run_args({"--init", "1,2"}), 2, "--init 1,2"},
       {run_args({"--init", "nan,1,0"}), 2, "--init nan,1,0"},

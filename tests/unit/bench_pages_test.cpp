@@ -13,13 +13,13 @@
 #include "tools/bench/pages.h"
 #include "tools/bench/published.h"
 #include "tools/bench/scale_run.h"
+#include "tools/bench/steps/variants.h"
 #include "tools/bench/tables.h"
 #include "tools/bench/tables_run.h"
-#include "tools/bench/variants.h"
-#include "tools/report/numbers.h"
-#include "tools/report/table.h"
+#include "tools/report/text/numbers.h"
+#include "tools/report/text/table.h"
 
-namespace parloc::bench {
+namespace parloc::tools::bench {
 namespace {
 
 using Json = nlohmann::json;
@@ -81,12 +81,12 @@ Results made_up(bool scale) {
   const Place place{"no_hit", "tracking"};
   const auto add = [&](Sweep sweep, std::size_t v, std::int64_t n, int m, double rays_per_s) {
     Row row{sweep, place, v, n, m, {}, {}};
-    row.time = summarise({static_cast<double>(n) * m / rays_per_s});
+    row.time = summarise_times({static_cast<double>(n) * m / rays_per_s});
     if (scale) row.stages = StageSeconds{1e-6, 1e-6, row.time.median_s, 1e-5, 1e-5, 1e-5};
     r.rows.push_back(row);
   };
-  for (const Variant& v : {Variant{Algorithm::published, BackendChoice::cpu, 1, 0},
-                           {Algorithm::published, BackendChoice::cpu, 128, 0},
+  for (const Variant& v : {Variant{Algorithm::paz2012, BackendChoice::cpu, 1, 0},
+                           {Algorithm::paz2012, BackendChoice::cpu, 128, 0},
                            {Algorithm::parloc, BackendChoice::cpu, 1, 0},
                            {Algorithm::parloc, BackendChoice::cpu, 128, 0},
                            {Algorithm::parloc, BackendChoice::cuda, 1, 0},
@@ -156,7 +156,7 @@ TEST(Pages, WebPageIsWholeAndSafe) {
     for (std::size_t at = html.find("<figure"); at != std::string::npos; at = html.find("<figure", at + 1))
       ++figures;
     EXPECT_EQ(figures, 3u);
-    EXPECT_NE(html.find(">40 ms</text>"), std::string::npos);
+    EXPECT_NE(html.find(">40 ms</span>"), std::string::npos);
   }
 }
 
@@ -176,7 +176,7 @@ TEST(Pages, JsonHasEverything) {
   const Json& row = tables.at("rows").at(14);
   for (const char* key : {"median_s", "p99_s", "q1_s", "q3_s", "steps", "rays_per_s", "particles", "beams"})
     EXPECT_TRUE(row.at(key).is_number()) << key;
-  EXPECT_EQ(row.at("variant"), "published, 1 thread");
+  EXPECT_EQ(row.at("variant"), "paz2012, 1 thread");
   EXPECT_NEAR(row.at("ratio").at("gtx560").get<double>(), 0.8 / 0.1642, 1e-9);
   EXPECT_EQ(row.at("within_budget"), false);
   EXPECT_EQ(tables.at("published").at(2).at("seconds").at(4).at(2), 0.0975);
@@ -195,4 +195,4 @@ TEST(Pages, JsonHasEverything) {
 }
 
 }  // namespace
-}  // namespace parloc::bench
+}  // namespace parloc::tools::bench

@@ -14,17 +14,17 @@
 #include "common/eval/simulator.h"
 #include "tests/unit/timing_rules.h"
 #include "tools/bench/json.h"
-#include "tools/bench/maps_folder.h"
-#include "tools/bench/measure.h"
-#include "tools/bench/memory.h"
 #include "tools/bench/published.h"
-#include "tools/bench/rig.h"
 #include "tools/bench/scale_run.h"
-#include "tools/bench/scenes.h"
+#include "tools/bench/steps/maps_folder.h"
+#include "tools/bench/steps/measure.h"
+#include "tools/bench/steps/memory.h"
+#include "tools/bench/steps/rig.h"
+#include "tools/bench/steps/scenes.h"
+#include "tools/bench/steps/variants.h"
 #include "tools/bench/tables_run.h"
-#include "tools/bench/variants.h"
 
-namespace parloc::bench {
+namespace parloc::tools::bench {
 namespace {
 
 using Json = nlohmann::json;
@@ -217,21 +217,21 @@ TEST(Scenes, WhatIsMissingIsSaid) {
 // ---- variants and rigs ---------------------------------------------------------------------------------
 
 TEST(Variants, AreTheTwoAlgorithmsOnOneThreadAndOnAll) {
-  const std::vector<Algorithm> both{Algorithm::published, Algorithm::parloc};
+  const std::vector<Algorithm> both{Algorithm::paz2012, Algorithm::parloc};
   std::vector<std::string> names;
   for (const Variant& v : choose_variants(both, 3).variants) {
     if (v.backend == BackendChoice::cpu) names.push_back(name_of(v));
   }
-  EXPECT_EQ(names, (std::vector<std::string>{"published, 1 thread", "published, 3 threads",
-                                             "parloc, 1 thread", "parloc, 3 threads"}));
-  const VariantChoice alone = choose_variants({Algorithm::published}, 1);
+  EXPECT_EQ(names, (std::vector<std::string>{"paz2012, 1 thread", "paz2012, 3 threads", "parloc, 1 thread",
+                                             "parloc, 3 threads"}));
+  const VariantChoice alone = choose_variants({Algorithm::paz2012}, 1);
   ASSERT_EQ(alone.variants.size(), 1u);
   ASSERT_EQ(alone.notes.size(), 1u);
   EXPECT_NE(alone.notes[0].find("one thread"), std::string::npos) << alone.notes[0];
 }
 
 TEST(Variants, UseTheSettingsThatTheirNamesPromise) {
-  const FilterBackendConfig published = backend_config({Algorithm::published, BackendChoice::cpu, 1, 0}, 10);
+  const FilterBackendConfig published = backend_config({Algorithm::paz2012, BackendChoice::cpu, 1, 0}, 10);
   EXPECT_EQ(published.sensor.caster, RayCaster::fixed_step);
   EXPECT_EQ(published.sensor.fixed_step_cells, 0.5);
   EXPECT_EQ(published.resample.scheme, ResampleScheme::multinomial_linear);
@@ -251,7 +251,7 @@ TEST(Variants, UseTheSettingsThatTheirNamesPromise) {
 /// A step that finds the robot has done all of its work.
 TEST(Rig, StepsLocalize) {
   const Scene scene = make_scene("hall_obstacles", kMaps);
-  for (const Algorithm algorithm : {Algorithm::published, Algorithm::parloc}) {
+  for (const Algorithm algorithm : {Algorithm::paz2012, Algorithm::parloc}) {
     Rig rig({algorithm, BackendChoice::cpu, 2, 0}, scene, Cloud::tracking, 2000);
     rig.use_beams(100);
     for (int k = 0; k < 2; ++k) {  // the second starts from the same cloud
@@ -307,7 +307,7 @@ Plan small_plan() {
   Plan plan;
   plan.scenes = {"no_hit"};
   plan.clouds = {Cloud::tracking};
-  plan.algorithms = {Algorithm::published, Algorithm::parloc};
+  plan.algorithms = {Algorithm::paz2012, Algorithm::parloc};
   plan.threads = 1;
   plan.max_particles = 1000;
   plan.max_beams = 100;
@@ -392,4 +392,4 @@ TEST(Scale, SizesAreThoseOfTheDocumentation) {
 }
 
 }  // namespace
-}  // namespace parloc::bench
+}  // namespace parloc::tools::bench

@@ -8,18 +8,18 @@
 #include <vector>
 
 #include "tests/unit/timing_rules.h"
-#include "tools/bench/bisect.h"
-#include "tools/bench/measure.h"
-#include "tools/report/statistics.h"
+#include "tools/bench/steps/bisect.h"
+#include "tools/bench/steps/measure.h"
+#include "tools/report/machine/statistics.h"
 
-namespace parloc::bench {
+namespace parloc::tools::bench {
 namespace {
 
 TEST(Statistics, OfKnownTimes) {
   std::vector<double> times(100);
   std::iota(times.begin(), times.end(), 1.0);
   std::reverse(times.begin(), times.end());
-  const TimeSummary s = summarise(times);
+  const TimeSummary s = summarise_times(times);
   EXPECT_EQ(s.count, 100u);
   EXPECT_DOUBLE_EQ(s.median_s, 50.5);
   EXPECT_DOUBLE_EQ(s.p99_s, 99.0);
@@ -30,14 +30,14 @@ TEST(Statistics, OfKnownTimes) {
 }
 
 TEST(Statistics, OfFewTimes) {
-  const TimeSummary none = summarise({});
+  const TimeSummary none = summarise_times({});
   EXPECT_EQ(none.count, 0u);
   EXPECT_EQ(none.median_s, 0.0);
-  const TimeSummary one = summarise({3.0});
+  const TimeSummary one = summarise_times({3.0});
   EXPECT_EQ(one.median_s, 3.0);
   EXPECT_EQ(one.p99_s, 3.0);
   EXPECT_EQ(one.q1_s, 3.0);
-  const TimeSummary odd = summarise({9.0, 1.0, 2.0});
+  const TimeSummary odd = summarise_times({9.0, 1.0, 2.0});
   EXPECT_EQ(odd.median_s, 2.0);
   EXPECT_EQ(odd.p99_s, 9.0);  // of fewer than 100 the longest
   EXPECT_EQ(odd.q1_s, 1.5);
@@ -109,4 +109,4 @@ TEST(Bisect, AtTheEnds) {
 }
 
 }  // namespace
-}  // namespace parloc::bench
+}  // namespace parloc::tools::bench

@@ -19,7 +19,7 @@
 #include "tools/compare/comparison.h"
 #include "tools/program/run_items.h"
 
-namespace parloc::compare {
+namespace parloc::tools::compare {
 namespace {
 
 TrialLog small_log(int scans) {
@@ -175,7 +175,7 @@ TEST(CompareFollow, ARunIsLostWhenItIsLost) {
 // ---------------------------------------------------------------------------------------
 TEST(RunItems, EveryItemIsDoneOnceByAWorkerOfItsThread) {
   std::vector<int> done(100, 0), by(100, -1);
-  bench::run_items({100, 3, {}, {}}, [&](std::size_t thread, const bench::KeepGoing&) -> bench::Worker {
+  run_items({100, 3, {}, {}}, [&](std::size_t thread, const KeepGoing&) -> Worker {
     return [&, thread](std::size_t k) { ++done[k], by[k] = static_cast<int>(thread); };
   });
   EXPECT_EQ(std::count(done.begin(), done.end(), 1), 100);
@@ -184,29 +184,29 @@ TEST(RunItems, EveryItemIsDoneOnceByAWorkerOfItsThread) {
 
 TEST(RunItems, AnErrorOrAStopEndsTheWork) {
   std::atomic<int> done = 0;
-  const auto failing = [&](std::size_t, const bench::KeepGoing&) -> bench::Worker {
+  const auto failing = [&](std::size_t, const KeepGoing&) -> Worker {
     return [&](std::size_t k) {
       ++done;
       if (k == 3) throw Error(ErrorKind::input, "the fourth");
     };
   };
-  EXPECT_EQ(error_of([&] { bench::run_items({1000, 1, {}, {}}, failing); }, ErrorKind::input), "the fourth");
+  EXPECT_EQ(error_of([&] { run_items({1000, 1, {}, {}}, failing); }, ErrorKind::input), "the fourth");
   EXPECT_EQ(done, 4);
   // The other thread waits for what the error of this one brings about.
-  const auto waiting = [](std::size_t, const bench::KeepGoing& keep_going) -> bench::Worker {
+  const auto waiting = [](std::size_t, const KeepGoing& keep_going) -> Worker {
     return [&](std::size_t k) {
       if (k == 0) throw Error(ErrorKind::input, "the first");
       while (keep_going()) std::this_thread::yield();
     };
   };
-  EXPECT_EQ(error_of([&] { bench::run_items({2, 2, {}, {}}, waiting); }, ErrorKind::input), "the first");
+  EXPECT_EQ(error_of([&] { run_items({2, 2, {}, {}}, waiting); }, ErrorKind::input), "the first");
   bool told = false;
-  bench::run_items({1, 1, [] { return true; }, [&] { told = true; }},
-                   [](std::size_t, const bench::KeepGoing& keep_going) -> bench::Worker {
-                     return [&](std::size_t) {
-                       while (keep_going()) std::this_thread::yield();
-                     };
-                   });
+  run_items({1, 1, [] { return true; }, [&] { told = true; }},
+            [](std::size_t, const KeepGoing& keep_going) -> Worker {
+              return [&](std::size_t) {
+                while (keep_going()) std::this_thread::yield();
+              };
+            });
   EXPECT_TRUE(told);
 }
 
@@ -278,4 +278,4 @@ TEST(CompareConfigs, AllAreSound) {
 }
 
 }  // namespace
-}  // namespace parloc::compare
+}  // namespace parloc::tools::compare

@@ -9,7 +9,7 @@
 #include "tests/unit/small_drive.h"
 #include "tests/unit/temp_file.h"
 
-namespace parloc::slam {
+namespace parloc::tools::slam {
 namespace {
 
 MapRequest request_of(const std::string& log, const std::string& checkpoint) {
@@ -59,4 +59,4 @@ TEST(MapLog, ABreakWhileLoopsAreClosedLeavesThemOpen) {
 }
 
 }  // namespace
-}  // namespace parloc::slam
+}  // namespace parloc::tools::slam

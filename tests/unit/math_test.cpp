@@ -6,10 +6,12 @@
 #include <algorithm>
 #include <cmath>
 #include <string>
+#include <vector>
 
 #include "common/filter/resampling.h"
 #include "common/math/philox.h"
 #include "common/math/portable64.h"
+#include "common/math/quantile.h"
 #include "common/math/sha256.h"
 #include "common/model/motion.h"
 
@@ -161,6 +163,21 @@ TEST_F(SpecResampling, GivesTheSpecifiedIndices) {
   EXPECT_EQ(ancestors(ResampleScheme::systematic), "11134467");
   EXPECT_EQ(ancestors(ResampleScheme::stratified), "11134567");
   EXPECT_EQ(ancestors(ResampleScheme::residual), "11464673");
+}
+
+TEST(Quantiles, KeepToTheirDefinitions) {
+  const std::vector<double> four = ascending({7.0, 1.0, 3.0, 4.0});
+  EXPECT_EQ(median(four), 3.5);
+  EXPECT_EQ(upper_median(four), 4.0);
+  EXPECT_EQ(nearest_rank(four, 50), 3.0);
+  EXPECT_EQ(nearest_rank(four, 51), 4.0);
+  EXPECT_EQ(nearest_rank(four, 100), 7.0);
+  EXPECT_EQ(interpolated_quantile(four, 0.25), 2.5);
+  EXPECT_EQ(median({2.0}), 2.0);
+  EXPECT_EQ(interpolated_quantile({2.0}, 0.9), 2.0);
+  for (const double none :
+       {median({}), upper_median({}), nearest_rank({}, 99), interpolated_quantile({}, 0.5)})
+    EXPECT_TRUE(std::isnan(none));
 }
 
 }  // namespace

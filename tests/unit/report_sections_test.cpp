@@ -9,14 +9,14 @@
 
 #include "common/error.h"
 #include "tests/unit/decoded_png.h"
-#include "tools/report/html_text.h"
 #include "tools/report/map_view.h"
-#include "tools/report/plot_axis.h"
-#include "tools/report/png_writer.h"
+#include "tools/report/pictures/png_writer.h"
+#include "tools/report/plots/plot_shapes.h"
+#include "tools/report/plots/svg_plot.h"
 #include "tools/report/report_sections.h"
-#include "tools/report/svg_plot.h"
+#include "tools/report/text/html_text.h"
 
-namespace parloc {
+namespace parloc::tools {
 namespace {
 
 constexpr double nan = std::numeric_limits<double>::quiet_NaN();
@@ -89,20 +89,20 @@ TEST(Envelope, KeepsPeaksOfALongSeries) {
 }
 
 TEST(RenderPlot, TellsOfPeaksThatAnErrorPlotCutsOff) {
-  Plot plot{"Error", "m", PlotScale::symmetric, {{"", "c1", {}, {}}}, {}, {}, {}};
+  Plot plot{"Error", "m", PlotScale::symmetric, {{"", "c1", {}, {}}}};
   for (int k = 0; k < 1000; ++k) {
-    plot.series[0].stamp_s.push_back(k);
+    plot.series[0].x.push_back(k);
     plot.series[0].y.push_back(k < 5 ? 3.25 : 0.02);
   }
-  EXPECT_NE(render_plot(plot, time_axis(plot.series[0].stamp_s)).find("peaks up to 3.25"), std::string::npos);
+  EXPECT_NE(render_plot(plot, time_axis(plot.series[0].x)).find("peaks up to 3.25"), std::string::npos);
   plot.series[0].y.assign(1000, 0.02);
-  EXPECT_EQ(render_plot(plot, time_axis(plot.series[0].stamp_s)).find("peaks"), std::string::npos);
+  EXPECT_EQ(render_plot(plot, time_axis(plot.series[0].x)).find("peaks"), std::string::npos);
 }
 
 TEST(ValueAxis, HasMoreLabelsThanZero) {
   for (const double largest : {0.041, 0.9, 1.0, 2.1, 4.4, 4.6, 77.0}) {
-    const Plot plot{"", "m", PlotScale::symmetric, {{"", "c1", {0, 1}, {-largest, largest}}}, {}, {}, {}};
-    const ValueAxis axis = value_axis(plot).value();
+    const Plot plot{"", "m", PlotScale::symmetric, {{"", "c1", {0, 1}, {-largest, largest}}}};
+    const Axis axis = value_axis(plot).value();
     EXPECT_GE(ticks(axis).size(), 3U) << largest;
     EXPECT_LE(ticks(axis).size(), 9U) << largest;
     EXPECT_NEAR(axis.fraction(0.0), 0.5, 1e-12);
@@ -148,4 +148,4 @@ TEST(EvenlySpaced, KeepsTheEnds) {
 }
 
 }  // namespace
-}  // namespace parloc
+}  // namespace parloc::tools

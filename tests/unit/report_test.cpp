@@ -1,8 +1,7 @@
-// Reports: what every HTML file and picture must hold, whatever the run looked like.
+// Reports: what every HTML file must hold, whatever the run looked like.
 #include "tools/report/report.h"
 
 #include <gtest/gtest.h>
-#include <unistd.h>
 
 #include <algorithm>
 #include <cmath>
@@ -13,99 +12,19 @@
 #include <fstream>
 #include <limits>
 #include <regex>
-#include <sstream>
 #include <string>
 #include <vector>
 
 #include "common/error.h"
 #include "tests/unit/decoded_png.h"
-#include "tools/report/html_text.h"
+#include "tests/unit/sample_report.h"
+#include "tools/report/text/html_text.h"
 
-namespace parloc {
+namespace parloc::tools {
 namespace {
 
 constexpr double nan = std::numeric_limits<double>::quiet_NaN();
 constexpr double infinity = std::numeric_limits<double>::infinity();
-
-/// A hall of 20 x 10 m in 5 cm cells with walls, two pillars and an unknown margin.
-GridMap hall() {
-  GridMap map;
-  map.width = 420, map.height = 220, map.resolution_m = 0.05, map.name = "hall";
-  map.T_map_grid = {-0.5, -0.5, 0.0};
-  map.cells.assign(420 * 220, Cell::unknown);
-  for (int j = 10; j < 210; ++j) {
-    for (int i = 10; i < 410; ++i) {
-      const bool wall = i < 12 || i >= 408 || j < 12 || j >= 208;
-      const bool pillar =
-          (i > 130 && i < 150 && j > 95 && j < 125) || (i > 270 && i < 290 && j > 90 && j < 130);
-      map.cells[static_cast<std::size_t>(j * 420 + i)] = wall || pillar ? Cell::occupied : Cell::free;
-    }
-  }
-  return map;
-}
-
-/// A smooth error that a test can draw: not random, so that every run of the tests sees the same.
-double wobble(int k, double scale) {
-  return scale * (std::sin(0.7 * k) + 0.5 * std::sin(0.13 * k + 1));
-}
-
-Pose on_ellipse(double angle) {
-  return {10 + 7 * std::cos(angle), 5 + 3.2 * std::sin(angle), angle + 1.57};
-}
-
-Snapshot snapshot_at(double stamp_s, const Pose& pose, double spread_m, int count) {
-  Snapshot snapshot{stamp_s, pose, {}, {}};
-  for (int k = 0; k < count; ++k) {
-    const double r = spread_m * std::sqrt((k + 0.5) / count), turn = 2.39996 * k;  // a sunflower
-    snapshot.particles.push_back({static_cast<float>(pose.x_m + r * std::cos(turn)),
-                                  static_cast<float>(pose.y_m + r * std::sin(turn)),
-                                  static_cast<float>(pose.theta_rad), k % 7 == 0 ? 0.01F : 1.0F});
-  }
-  for (int k = 0; k < 80; ++k) {
-    snapshot.scan_points.push_back({static_cast<float>(0.1 + 0.25 * k), k % 2 == 0 ? 0.1F : 9.9F});
-  }
-  return snapshot;
-}
-
-void add_step(RunReport& report, int k, double stamp_s, const Pose& truth) {
-  TrackErrors& e = *report.errors;
-  const double ex = wobble(k, 0.01), ey = wobble(k + 40, 0.01), et = wobble(k + 9, 0.004);
-  report.truth->push_back({stamp_s, truth});
-  report.estimate.push_back({stamp_s, {truth.x_m + ex, truth.y_m + ey, truth.theta_rad + et}});
-  const double drift = 1e-3 * std::min(k, 600);
-  report.odometry.push_back({stamp_s, {truth.x_m + drift, truth.y_m - 0.6 * drift, truth.theta_rad}});
-  e.stamp_s.push_back(stamp_s), e.x_error_m.push_back(ex), e.y_error_m.push_back(ey);
-  e.position_error_m.push_back(std::hypot(ex, ey)), e.heading_error_rad.push_back(et);
-  const double settled = 0.01 + 0.4 * std::exp(-0.2 * k);
-  report.steps.push_back({stamp_s, 1000 + 700 * std::sin(0.2 * k), settled, 1.2 * settled, 0.3 * settled,
-                          3 + std::abs(wobble(3 * k, 1)) + (k % 997 == 5 ? 9.0 : 0.0), k % 9 == 0, false});
-}
-
-RunReport sample(const GridMap* map, int steps) {
-  RunReport report;
-  report.title = "ellipse.log.gz on hall.yaml";
-  report.command_line = "parloc run --map hall.yaml --log ellipse.log.gz --truth ellipse.tum";
-  report.summary = {{"Result", "localized"}, {"Real-time factor", "31"}};
-  report.details = {{"Configuration", {{"particles", "2000"}, {"sensor.model", "likelihood_field"}}},
-                    {"Beams", {{"used", "48210"}, {"rejected, zero", "12"}}},
-                    {"Run", {{"seed", "1"}, {"digest", std::string(64, 'a')}}}};
-  report.map = map;
-  report.truth.emplace();
-  report.errors.emplace();
-  report.resample_below = 1000, report.particles = 2000;
-  for (int k = 0; k < steps; ++k) add_step(report, k, 1e9 + 0.1 * k, on_ellipse(6.0 * k / steps));
-  report.errors->compared = static_cast<std::size_t>(steps);
-  report.errors->position_rmse_m = 0.0123, report.errors->position_mae_m = 0.011;
-  report.errors->position_p95_m = 0.02, report.errors->position_max_m = 0.024;
-  report.errors->heading_rmse_rad = 0.004, report.errors->heading_mae_rad = 0.003;
-  report.errors->heading_max_rad = 0.006;
-  for (int k = 0; k < 8; ++k) {
-    const auto at = static_cast<std::size_t>(k * (steps - 1) / 7);
-    report.snapshots.push_back(snapshot_at(report.estimate[at].stamp_s, report.estimate[at].pose,
-                                           0.02 + 1.5 * std::exp(-1.2 * k), 2000));
-  }
-  return report;
-}
 
 /// The part of the hall up to a column, as if no more were known yet, on a grid of its own of cells of 10 cm.
 MapMoment half_known(const GridMap& hall, const RunReport& report, int columns) {
@@ -121,35 +40,6 @@ MapMoment half_known(const GridMap& hall, const RunReport& report, int columns) 
   moment.facts = {{"scans taken in", std::to_string(columns)}, {"<odd>", "&"}};
   return moment;
 }
-
-class ReportTest : public testing::Test {
- protected:
-  void SetUp() override {
-    const char* keep = std::getenv("PARLOC_REPORT_TEST_DIR");  // to look at what the tests write
-    kept_ = keep != nullptr;
-    folder_ = kept_ ? std::filesystem::path(keep)
-                    : std::filesystem::temp_directory_path() / ("parloc_report_" + std::to_string(getpid()));
-    std::filesystem::create_directories(folder_);
-  }
-  void TearDown() override {
-    if (!kept_) std::filesystem::remove_all(folder_);
-  }
-  std::string in_folder(const std::string& name) const { return (folder_ / name).string(); }
-  std::string html(const RunReport& report, const std::string& name = "report.html") const {
-    write_report(in_folder(name), report);
-    return read(in_folder(name));
-  }
-  static std::string read(const std::string& path) {
-    std::ifstream file(path, std::ios::binary);
-    std::ostringstream text;
-    text << file.rdbuf();
-    return text.str();
-  }
-
-  std::filesystem::path folder_;
-  bool kept_ = false;
-  GridMap map_ = hall();
-};
 
 /// The page without the images' data, which may spell anything.
 std::string without_data(const std::string& html) {
@@ -206,14 +96,6 @@ std::size_t count(const std::string& text, const std::string& part) {
   return n;
 }
 
-std::size_t pixels_of(const Picture& picture, int red, int green, int blue) {
-  std::size_t n = 0;
-  for (std::size_t k = 0; k + 2 < picture.rgb.size(); k += 3) {
-    n += picture.rgb[k] == red && picture.rgb[k + 1] == green && picture.rgb[k + 2] == blue ? 1 : 0;
-  }
-  return n;
-}
-
 TEST_F(ReportTest, HoldsEveryPart) {
   const std::string page = html(sample(&map_, 600));
   expect_well_formed(page);
@@ -247,8 +129,7 @@ TEST_F(ReportTest, ShowsAMapInTheMaking) {
   RunReport report = sample(&map_, 600);
   for (int k = 0; k < 40; ++k) report.growth.push_back(half_known(map_, report, 20 + 10 * k));
   report.growth_note = "a note <of> mine";
-  report.plots = {
-      {"Another plot", "MiB", PlotScale::linear, {{"", "c1", {1e9, 1e9 + 9}, {1, 2}}}, {}, {}, {}}};
+  report.plots = {{"Another plot", "MiB", PlotScale::linear, {{"", "c1", {1e9, 1e9 + 9}, {1, 2}}}}};
   const std::string page = html(report, "growth.html");
   expect_well_formed(page);
   for (const char* part :
@@ -286,21 +167,6 @@ TEST_F(ReportTest, AMapInTheMakingLiesInItsPlace) {
   EXPECT_NEAR(std::stod(found[2]) + std::stod(found[4]), height, 2.0);
   EXPECT_NEAR(std::stod(found[3]), width, 4.0);
   EXPECT_NEAR(std::stod(found[4]), height, 4.0);
-}
-
-TEST_F(ReportTest, LivePictureHasMapPathRobotAndWords) {
-  RunReport report = sample(&map_, 600);
-  report.steps.clear(), report.errors.reset(), report.truth.reset(), report.odometry.clear();
-  const auto drawn = [&](const std::string& caption) {
-    write_live_picture(in_folder("live.png"), report, caption);
-    return decode(read(in_folder("live.png")));
-  };
-  const Picture picture = drawn("12 scans");
-  EXPECT_GE(std::max(picture.width, picture.height), 400);
-  EXPECT_LE(std::max(picture.width, picture.height), 1050);
-  EXPECT_GT(pixels_of(picture, 0, 114, 178), 300U);  // the path
-  EXPECT_GT(pixels_of(picture, 213, 94, 0), 50U);    // the robot
-  EXPECT_GT(pixels_of(picture, 25, 28, 32), pixels_of(drawn(""), 25, 28, 32) + 50U);
 }
 
 TEST_F(ReportTest, EscapesAllText) {
@@ -402,20 +268,6 @@ TEST_F(ReportTest, UnwritablePathIsAnOutputError) {
   }
 }
 
-TEST_F(ReportTest, PictureIsAPngWithEveryPath) {
-  const RunReport report = sample(&map_, 600);
-  write_picture(in_folder("picture.png"), report);
-  const std::string png = read(in_folder("picture.png"));
-  ASSERT_EQ(png.substr(0, 8), "\x89PNG\r\n\x1A\n");
-  const Picture picture = decode(png);
-  ASSERT_GE(picture.width, 1000);
-  EXPECT_LE(std::max(picture.width, picture.height), 2100);
-  EXPECT_GT(pixels_of(picture, 0, 114, 178), 1000U) << "estimate";
-  EXPECT_GT(pixels_of(picture, 230, 159, 0), 1000U) << "truth";
-  EXPECT_GT(pixels_of(picture, 181, 80, 140), 500U) << "odometry";
-  EXPECT_GT(pixels_of(picture, 25, 28, 32), 1000U) << "walls";
-}
-
 TEST_F(ReportTest, EveryCloudIsShownWhenAsked) {
   RunReport report = sample(&map_, 600);
   for (const bool every_cloud : {false, true}) {
@@ -439,29 +291,10 @@ TEST_F(ReportTest, EveryCloudIsShownWhenAsked) {
   }
 }
 
-TEST_F(ReportTest, ErrorPictureHasThreePanelsWithErrorAndBand) {
-  for (const int steps : {300, 15000}) {  // a line, and so many samples that means are drawn
-    write_error_picture(in_folder("errors.png"), sample(&map_, steps));
-    const Picture picture = decode(read(in_folder("errors.png")));
-    ASSERT_GT(picture.height, 600);
-    const std::size_t panel = picture.rgb.size() / static_cast<std::size_t>(picture.height) * 220;
-    for (std::size_t k = 0; k < 3; ++k) {
-      std::size_t error = 0, band = 0;
-      for (std::size_t p = k * panel; p < (k + 1) * panel; p += 3) {
-        const int red = picture.rgb[p], green = picture.rgb[p + 1], blue = picture.rgb[p + 2];
-        error += red == 0 && green == 114 && blue == 178 ? 1 : 0;
-        band += green > red + 20 && green > blue ? 1 : 0;
-      }
-      EXPECT_GT(error, 500U) << k;
-      EXPECT_GT(band, 1000U) << k;
-    }
-  }
-}
-
 TEST_F(ReportTest, RefusesAMapThatDoesNotFitItsCells) {
   map_.cells.pop_back();
   EXPECT_THROW(html(sample(&map_, 20), "bad_map.html"), Error);
 }
 
 }  // namespace
-}  // namespace parloc
+}  // namespace parloc::tools

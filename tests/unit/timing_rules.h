@@ -1,9 +1,9 @@
 // How long the tests of `parloc bench` may measure.
 #pragma once
 
-#include "tools/bench/measure.h"
+#include "tools/bench/steps/measure.h"
 
-namespace parloc::bench {
+namespace parloc::tools::bench {
 
 inline TimingRules rules_of(double seconds, int least, int most) {
   TimingRules rules;
@@ -15,4 +15,4 @@ inline TimingRules rules_of(double seconds, int least, int most) {
   return rules;
 }
 
-}  // namespace parloc::bench
+}  // namespace parloc::tools::bench

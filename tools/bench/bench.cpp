@@ -16,10 +16,10 @@
 #include "common/filter/stages.h"
 #include "common/model/beams.h"
 #include "tools/bench/json.h"
-#include "tools/bench/maps_folder.h"
 #include "tools/bench/pages.h"
 #include "tools/bench/published.h"
 #include "tools/bench/scale_run.h"
+#include "tools/bench/steps/maps_folder.h"
 #include "tools/bench/tables_run.h"
 #include "tools/program/commands.h"
 #include "tools/program/interrupt.h"
@@ -46,7 +46,7 @@ void declare(CLI::App& app, BenchOptions& o) {
   app.add_flag("--quick", o.quick, "Rough, within 20 s");
   add_text_option(app, "--scene", o.scene, "A,B", "no_hit, hall, hall_obstacles, office");
   add_text_option(app, "--cloud", o.cloud, "A,B", "tracking, global (tracking)");
-  add_text_option(app, "--algorithm", o.algorithm, "A,B", "published, parloc (both)");
+  add_text_option(app, "--algorithm", o.algorithm, "A,B", "paz2012, parloc (both)");
   add_text_option(app, "--threads", o.threads, "K", "Instead of all cores");
   add_text_option(app, "--max-particles", o.max_particles, "N", "Leave out what is larger");
   add_text_option(app, "--max-beams", o.max_beams, "B", "Leave out what has more");
@@ -81,16 +81,6 @@ std::vector<std::size_t> choices(const char* option, const std::string& text,
   return chosen;
 }
 
-template <class Integer>
-Integer number_within(const char* option, const std::string& text, Integer least, Integer most,
-                      Integer otherwise) {
-  if (text.empty()) return otherwise;
-  const auto value = parse_whole_number<Integer>(option, text);
-  if (value < least || value > most)
-    throw Error(ErrorKind::usage, fmt::format("{} must be {} to {}, got {}", option, least, most, value));
-  return value;
-}
-
 Plan plan_of(const BenchOptions& o) {
   Plan plan;
   const std::string scenes = !o.scene.empty() ? o.scene
@@ -100,29 +90,29 @@ Plan plan_of(const BenchOptions& o) {
     plan.scenes.emplace_back(bench::kSceneNames[k]);
   for (const std::size_t k : choices("--cloud", o.cloud.empty() ? "tracking" : o.cloud, bench::kCloudNames))
     plan.clouds.push_back(static_cast<bench::Cloud>(k));
-  const std::string algorithms = o.algorithm.empty() ? "published,parloc" : o.algorithm;
+  std::string algorithms = o.algorithm.empty() ? "paz2012,parloc" : o.algorithm;
+  const std::string former = "published";  // still understood
+  for (std::size_t at = 0; (at = algorithms.find(former, at)) != std::string::npos;)
+    algorithms.replace(at, former.size(), "paz2012");
   for (const std::size_t k : choices("--algorithm", algorithms, bench::kAlgorithmNames))
     plan.algorithms.push_back(static_cast<bench::Algorithm>(k));
   if (o.scale && !o.algorithm.empty() && o.algorithm != "parloc")
     throw Error(ErrorKind::usage,
-                "--scale measures parloc only: its time grows in proportion, that of published does not");
+                "--scale measures parloc only: its time grows in proportion, that of paz2012 does not");
   plan.quick = o.quick;
-  plan.threads = number_within("--threads", o.threads, 0, 1024, 0);
-  const std::int64_t least = o.scale ? 1024 : bench::kPublishedParticles.front();
-  plan.max_particles = number_within("--max-particles", o.max_particles, least, kMaxParticles, kMaxParticles);
-  const int most_beams = static_cast<int>(kMaxBeams);
-  plan.max_beams =
-      number_within("--max-beams", o.max_beams, bench::kPublishedBeams.front(), most_beams, most_beams);
+  plan.threads = static_cast<int>(whole_within("--threads", o.threads, 0, 1024, 0));
+  const std::uint64_t least = o.scale ? 1024 : bench::kPublishedParticles.front();
+  plan.max_particles = static_cast<std::int64_t>(
+      whole_within("--max-particles", o.max_particles, least, kMaxParticles, kMaxParticles));
+  plan.max_beams = static_cast<int>(
+      whole_within("--max-beams", o.max_beams, bench::kPublishedBeams.front(), kMaxBeams, kMaxBeams));
   return plan;
 }
 
 bench::TimingRules rules_of(const BenchOptions& o) {
   bench::TimingRules rules = o.quick ? bench::quick_rules() : bench::TimingRules{};
   if (o.seconds.empty()) return rules;
-  char* end = nullptr;
-  const double seconds = std::strtod(o.seconds.c_str(), &end);
-  if (*end != '\0' || !(seconds >= 0.001 && seconds <= 3600.0))
-    throw Error(ErrorKind::usage, fmt::format("--seconds must be 0.001 to 3600, got '{}'", o.seconds));
+  const double seconds = parse_number("--seconds", o.seconds, 0.001, 3600.0);
   rules.seconds = seconds;
   rules.warm_up_seconds = std::min(rules.warm_up_seconds, seconds);
   rules.long_seconds = std::max(rules.long_seconds, seconds);
@@ -163,8 +153,8 @@ int run(const BenchOptions& o, const std::string& typed) {
   results.scale = o.scale;
   results.quick = o.quick;
   results.command = typed;
-  results.date = bench::date_now();
-  results.machine = bench::machine_here();
+  results.date = date_now();
+  results.machine = machine_here();
   measure(plan, scenes, o.quiet, begun, results);
   if (results.interrupted && results.rows.empty()) {
     fmt::print(stderr, "parloc: interrupted before the first row, nothing is written\n");

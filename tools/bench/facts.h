@@ -2,18 +2,18 @@
 #pragma once
 
 #include <string>
-#include <utility>
 #include <vector>
 
 #include "tools/bench/results.h"
+#include "tools/report/text/facts.h"
 
-namespace parloc::bench {
+namespace parloc::tools::bench {
 
 /// What a reader must know: machine, build, sensor, what is inside the time, what the numbers are.
-std::vector<std::pair<std::string, std::string>> facts(const Results& results);
+Facts facts(const Results& results);
 /// What was not measured, and why; whether the run was interrupted.
 std::vector<std::string> remarks(const Results& results);
 /// "no_hit, cloud tracking (800 x 600 ...)".
 std::string heading(const Results& results, const Place& place);
 
-}  // namespace parloc::bench
+}  // namespace parloc::tools::bench

@@ -6,10 +6,10 @@
 #include "common/filter/filter_settings.h"
 #include "common/model/model_settings.h"
 #include "tools/bench/published.h"
-#include "tools/bench/scenes.h"
-#include "tools/report/machine_json.h"
+#include "tools/bench/steps/scenes.h"
+#include "tools/report/machine/machine_json.h"
 
-namespace parloc::bench {
+namespace parloc::tools::bench {
 namespace {
 
 using Json = nlohmann::ordered_json;
@@ -152,4 +152,4 @@ std::string json_text(const Results& r) {
   return file_text(json);
 }
 
-}  // namespace parloc::bench
+}  // namespace parloc::tools::bench

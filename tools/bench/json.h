@@ -5,9 +5,9 @@
 
 #include "tools/bench/results.h"
 
-namespace parloc::bench {
+namespace parloc::tools::bench {
 
 /// One object, fields in a fixed order, times in seconds; docs/bench.md explains them.
 std::string json_text(const Results& results);
 
-}  // namespace parloc::bench
+}  // namespace parloc::tools::bench

@@ -9,9 +9,9 @@
 #include "tools/bench/plots.h"
 #include "tools/bench/tables.h"
 #include "tools/report/html_page.h"
-#include "tools/report/html_text.h"
+#include "tools/report/text/html_text.h"
 
-namespace parloc::bench {
+namespace parloc::tools::bench {
 namespace {
 
 constexpr std::size_t kTerminalWidth = 100;
@@ -88,7 +88,7 @@ std::string terminal_page(const Results& r) {
 std::string markdown_page(const Results& r) {
   std::string text = fmt::format("# parloc bench{}\n\n", r.scale ? ": how it scales" : "");
   text += fmt::format("Measured {} with `{}`.\n\n", r.date, r.command);
-  for (const auto& [name, value] : facts(r)) text += fmt::format("- {}: {}\n", name, value);
+  text += markdown_list(facts(r));
   for (const std::string& line : remarks(r)) text += fmt::format("- **{}**\n", line);
   for (const Place& place : r.places()) {
     text += fmt::format("\n## {}\n", heading(r, place));
@@ -123,4 +123,4 @@ std::string html_page(const Results& r) {
   return html + "<h2>How it was measured</h2>\n" + facts_table(facts(r)) + "</body></html>\n";
 }
 
-}  // namespace parloc::bench
+}  // namespace parloc::tools::bench

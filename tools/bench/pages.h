@@ -5,7 +5,7 @@
 
 #include "tools/bench/results.h"
 
-namespace parloc::bench {
+namespace parloc::tools::bench {
 
 /// Lines of at most 100 characters.
 std::string terminal_page(const Results& results);
@@ -13,4 +13,4 @@ std::string markdown_page(const Results& results);
 /// One file: style and drawings are inside, nothing is fetched.
 std::string html_page(const Results& results);
 
-}  // namespace parloc::bench
+}  // namespace parloc::tools::bench

@@ -5,10 +5,10 @@
 #include <string>
 #include <vector>
 
-#include "tools/bench/scenes.h"
-#include "tools/bench/variants.h"
+#include "tools/bench/steps/scenes.h"
+#include "tools/bench/steps/variants.h"
 
-namespace parloc::bench {
+namespace parloc::tools::bench {
 
 struct Plan {
   std::vector<std::string> scenes;
@@ -27,4 +27,4 @@ std::vector<Value> at_most(std::vector<Value> values, Value most) {
   return values;
 }
 
-}  // namespace parloc::bench
+}  // namespace parloc::tools::bench

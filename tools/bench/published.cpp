@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-namespace parloc::bench {
+namespace parloc::tools::bench {
 
 // Source: Paz, Perez Paina, Canali and Toloza 2012, the three tables of times per filter step, in seconds,
 // rounded to 0.1 ms. The first machine is a dual core of which one core is used.
@@ -41,4 +41,4 @@ std::optional<double> published_seconds(const PublishedTable& table, std::int64_
                       [static_cast<std::size_t>(column - kPublishedBeams.begin())];
 }
 
-}  // namespace parloc::bench
+}  // namespace parloc::tools::bench

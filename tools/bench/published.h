@@ -6,7 +6,7 @@
 #include <cstdint>
 #include <optional>
 
-namespace parloc::bench {
+namespace parloc::tools::bench {
 
 inline constexpr std::array<std::int64_t, 5> kPublishedParticles{500, 1000, 2000, 3000, 4000};
 inline constexpr std::array<int, 3> kPublishedBeams{50, 100, 200};
@@ -27,4 +27,4 @@ const std::array<PublishedTable, 3>& published_tables();
 /// Empty for a size that is not in the tables.
 std::optional<double> published_seconds(const PublishedTable& table, std::int64_t particles, int beams);
 
-}  // namespace parloc::bench
+}  // namespace parloc::tools::bench

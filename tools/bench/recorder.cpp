@@ -9,9 +9,9 @@
 #include <vector>
 
 #include "common/error.h"
-#include "tools/bench/memory.h"
+#include "tools/bench/steps/memory.h"
 
-namespace parloc::bench {
+namespace parloc::tools::bench {
 namespace {
 
 constexpr const char* kNoTime = "no time was left for it (--quick)";
@@ -76,7 +76,8 @@ void Recorder::add_stages(Rig& rig, Row& row) {
     for (std::size_t s = 0; s < one.size(); ++s) seconds[s].push_back(one[s]);
   }
   StageSeconds medians{};
-  for (std::size_t s = 0; s < medians.size(); ++s) medians[s] = summarise(std::move(seconds[s])).median_s;
+  for (std::size_t s = 0; s < medians.size(); ++s)
+    medians[s] = summarise_times(std::move(seconds[s])).median_s;
   row.stages = medians;
 }
 
@@ -99,4 +100,4 @@ std::optional<TimeSummary> Recorder::measure_alone(Rig& rig, const Row& row) {
   return time_steps(rig, row);
 }
 
-}  // namespace parloc::bench
+}  // namespace parloc::tools::bench

@@ -5,12 +5,12 @@
 #include <memory>
 #include <string>
 
-#include "tools/bench/control.h"
 #include "tools/bench/results.h"
-#include "tools/bench/rig.h"
-#include "tools/bench/scenes.h"
+#include "tools/bench/steps/control.h"
+#include "tools/bench/steps/rig.h"
+#include "tools/bench/steps/scenes.h"
 
-namespace parloc::bench {
+namespace parloc::tools::bench {
 
 class Recorder {
  public:
@@ -42,4 +42,4 @@ class Recorder {
   std::size_t total_, done_ = 0;
 };
 
-}  // namespace parloc::bench
+}  // namespace parloc::tools::bench

@@ -4,7 +4,7 @@
 
 #include <algorithm>
 
-namespace parloc::bench {
+namespace parloc::tools::bench {
 
 std::size_t Results::index_of(const Variant& variant) {
   const auto found = std::find(variants.begin(), variants.end(), variant);
@@ -74,4 +74,4 @@ std::vector<std::string> skipped_lines(const std::vector<Skipped>& skipped) {
   return lines;
 }
 
-}  // namespace parloc::bench
+}  // namespace parloc::tools::bench

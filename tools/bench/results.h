@@ -7,13 +7,13 @@
 #include <string>
 #include <vector>
 
-#include "tools/bench/measure.h"
-#include "tools/bench/rig.h"
-#include "tools/bench/variants.h"
-#include "tools/report/machine.h"
-#include "tools/report/statistics.h"
+#include "tools/bench/steps/measure.h"
+#include "tools/bench/steps/rig.h"
+#include "tools/bench/steps/variants.h"
+#include "tools/report/machine/machine.h"
+#include "tools/report/machine/statistics.h"
 
-namespace parloc::bench {
+namespace parloc::tools::bench {
 
 enum class Sweep { tables, particles, beams, threads };
 inline constexpr const char* kSweepNames[] = {"tables", "particles", "beams", "threads"};
@@ -90,4 +90,4 @@ std::string name_of(const Place& place, std::int64_t particles, int beams);
 /// Skipped rows in few lines: rows of the same reason together.
 std::vector<std::string> skipped_lines(const std::vector<Skipped>& skipped);
 
-}  // namespace parloc::bench
+}  // namespace parloc::tools::bench

@@ -9,12 +9,12 @@
 #include <string>
 
 #include "common/filter/stages.h"
-#include "tools/bench/bisect.h"
-#include "tools/bench/memory.h"
 #include "tools/bench/published.h"
 #include "tools/bench/recorder.h"
+#include "tools/bench/steps/bisect.h"
+#include "tools/bench/steps/memory.h"
 
-namespace parloc::bench {
+namespace parloc::tools::bench {
 namespace {
 
 constexpr int kUsualBeams = 200;
@@ -179,4 +179,4 @@ void measure_scale(const Plan& plan, const std::vector<Scene>& scenes, const Con
   }
 }
 
-}  // namespace parloc::bench
+}  // namespace parloc::tools::bench

@@ -4,12 +4,12 @@
 #include <array>
 #include <vector>
 
-#include "tools/bench/control.h"
 #include "tools/bench/plan.h"
 #include "tools/bench/results.h"
-#include "tools/bench/scenes.h"
+#include "tools/bench/steps/control.h"
+#include "tools/bench/steps/scenes.h"
 
-namespace parloc::bench {
+namespace parloc::tools::bench {
 
 /// 1024 to 16,777,216 by factors of 4; fewer with --quick.
 std::vector<std::int64_t> scale_particles(const Plan& plan);
@@ -25,4 +25,4 @@ inline constexpr std::array<double, 3> kScaleBudgets_s{0.040, 0.010, 0.001};
 void measure_scale(const Plan& plan, const std::vector<Scene>& scenes, const Control& control,
                    Results& results);
 
-}  // namespace parloc::bench
+}  // namespace parloc::tools::bench

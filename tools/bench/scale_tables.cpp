@@ -4,9 +4,9 @@
 #include <numeric>
 
 #include "tools/bench/tables.h"
-#include "tools/report/numbers.h"
+#include "tools/report/text/numbers.h"
 
-namespace parloc::bench {
+namespace parloc::tools::bench {
 namespace {
 
 void append(std::vector<std::string>& cells, const std::vector<std::string>& more) {
@@ -116,4 +116,4 @@ Table largest_table(const Results& results, const Place& place) {
   return table;
 }
 
-}  // namespace parloc::bench
+}  // namespace parloc::tools::bench

@@ -5,9 +5,9 @@
 #include <algorithm>
 #include <numeric>
 
-#include "tools/report/numbers.h"
+#include "tools/report/text/numbers.h"
 
-namespace parloc::bench {
+namespace parloc::tools::bench {
 namespace {
 
 /// Marks what is within the budget; a blank keeps the others in line.
@@ -53,10 +53,10 @@ void append(std::vector<std::string>& cells, const std::vector<std::string>& mor
   cells.insert(cells.end(), more.begin(), more.end());
 }
 
-/// `published` on one thread, against which the others are compared; null if it was not measured.
+/// `paz2012` on one thread, against which the others are compared; null if it was not measured.
 const Row* baseline(const Results& results, const Place& place, std::int64_t particles, int beams) {
   for (std::size_t v = 0; v < results.variants.size(); ++v) {
-    if (results.variants[v] == Variant{Algorithm::published, BackendChoice::cpu, 1, 0})
+    if (results.variants[v] == Variant{Algorithm::paz2012, BackendChoice::cpu, 1, 0})
       return results.find(Sweep::tables, place, v, particles, beams);
   }
   return nullptr;
@@ -147,4 +147,4 @@ Table detail_table(const Results& results, const Place& place, Sweep sweep) {
   return table;
 }
 
-}  // namespace parloc::bench
+}  // namespace parloc::tools::bench

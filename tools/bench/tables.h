@@ -5,9 +5,9 @@
 
 #include "tools/bench/published.h"
 #include "tools/bench/results.h"
-#include "tools/report/table.h"
+#include "tools/report/text/table.h"
 
-namespace parloc::bench {
+namespace parloc::tools::bench {
 
 /// One published table beside what was measured here, in seconds; `*` marks what is within 40 ms.
 Table published_table(const Results& results, const Place& place, const PublishedTable& published);
@@ -25,4 +25,4 @@ Table beams_table(const Results& results, const Place& place);
 Table threads_table(const Results& results, const Place& place);
 Table largest_table(const Results& results, const Place& place);
 
-}  // namespace parloc::bench
+}  // namespace parloc::tools::bench

@@ -7,7 +7,7 @@
 #include "tools/bench/published.h"
 #include "tools/bench/recorder.h"
 
-namespace parloc::bench {
+namespace parloc::tools::bench {
 namespace {
 
 /// Of the 15 sizes, the corners with --quick.
@@ -60,4 +60,4 @@ void measure_tables(const Plan& plan, const std::vector<Scene>& scenes, const Co
   }
 }
 
-}  // namespace parloc::bench
+}  // namespace parloc::tools::bench

@@ -3,16 +3,16 @@
 
 #include <vector>
 
-#include "tools/bench/control.h"
 #include "tools/bench/plan.h"
 #include "tools/bench/results.h"
-#include "tools/bench/scenes.h"
+#include "tools/bench/steps/control.h"
+#include "tools/bench/steps/scenes.h"
 
-namespace parloc::bench {
+namespace parloc::tools::bench {
 
 /// The variants of one size are measured one right after the other, since their ratios are what counts. Adds
 /// to `results`; on an interruption what is finished stays.
 void measure_tables(const Plan& plan, const std::vector<Scene>& scenes, const Control& control,
                     Results& results);
 
-}  // namespace parloc::bench
+}  // namespace parloc::tools::bench

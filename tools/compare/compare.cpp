@@ -18,9 +18,9 @@
 #include "common/file/output_file.h"
 #include "common/map/map_reader.h"
 #include "tools/compare/comparison.h"
-#include "tools/map/load_map.h"
 #include "tools/program/commands.h"
 #include "tools/program/interrupt.h"
+#include "tools/program/load_map.h"
 #include "tools/program/output_folder.h"
 #include "tools/program/parse_number.h"
 #include "tools/program/progress.h"
@@ -195,8 +195,8 @@ int run(const CompareOptions& o, const std::string& typed) {
   check_options(o);
   Comparison c;
   c.command = typed;
-  c.date = bench::date_now();
-  c.machine = bench::machine_here();
+  c.date = date_now();
+  c.machine = machine_here();
   c.plan = plan_of(o);
   c.request = request_of(o);
   const std::unique_ptr<DriveSource> source = source_of(o, c);

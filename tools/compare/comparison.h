@@ -8,12 +8,12 @@
 
 #include "tools/compare/published.h"
 #include "tools/compare/run_all.h"
-#include "tools/report/html_page.h"
-#include "tools/report/machine.h"
-#include "tools/report/statistics.h"
-#include "tools/report/table.h"
+#include "tools/report/machine/machine.h"
+#include "tools/report/machine/statistics.h"
+#include "tools/report/text/facts.h"
+#include "tools/report/text/table.h"
 
-namespace parloc::compare {
+namespace parloc::tools::compare {
 
 /// Over runs; both NaN without one, the deviation also of a single one.
 struct MeanDeviation {
@@ -32,14 +32,14 @@ struct Summary {
   double away = 0.0;     ///< Share of all scans at which a run, lost or not, was farther off than kLost_m.
   double particles = 0.0;
   double skipped = 0.0;           ///< Share of the scans.
-  bench::TimeSummary step;        ///< Steps that took their scan in.
+  TimeSummary step;               ///< Steps that took their scan in.
   double real_time_factor = 0.0;  ///< Seconds of driving per second in steps.
 };
 Summary summarise(const std::vector<FilterRun>& runs);
 
 struct Comparison {
   std::string command, date;  ///< As typed; UTC.
-  bench::Machine machine;
+  Machine machine;
   std::string source, map_path;
   DrivePlan plan;
   Request request;
@@ -51,13 +51,12 @@ struct Comparison {
 };
 
 /// What was compared, and how: name and value.
-using Lines = bench::Lines;
-Lines origin_lines(const Comparison& c);
-Lines machine_lines(const Comparison& c);
+Facts origin_facts(const Comparison& c);
+Facts machine_facts(const Comparison& c);
 
 /// One row per filter. The second holds what a clock has measured.
-bench::Table error_table(const Comparison& c);
-bench::Table time_table(const Comparison& c);
+Table error_table(const Comparison& c);
+Table time_table(const Comparison& c);
 
 std::string terminal_text(const Comparison& c);
 std::string markdown_text(const Comparison& c);
@@ -65,4 +64,4 @@ std::string markdown_text(const Comparison& c);
 std::string json_text(const Comparison& c);
 std::string html_page(const Comparison& c);
 
-}  // namespace parloc::compare
+}  // namespace parloc::tools::compare

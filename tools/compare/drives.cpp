@@ -13,7 +13,7 @@
 #include "common/eval/simulator.h"
 #include "common/io/log.h"
 
-namespace parloc::compare {
+namespace parloc::tools::compare {
 namespace {
 
 /// Its multiples, each without its whole part, spread evenly over 0 to 1 however many there are.
@@ -156,4 +156,4 @@ std::unique_ptr<DriveSource> recorded_drives(const DrivePlan& plan, const std::s
   return std::make_unique<RecordedDrives>(plan, log, truth);
 }
 
-}  // namespace parloc::compare
+}  // namespace parloc::tools::compare

@@ -11,7 +11,7 @@
 #include "common/eval/trial.h"
 #include "common/map/grid_map.h"
 
-namespace parloc::compare {
+namespace parloc::tools::compare {
 
 /// The robot is carried along its path while its odometry notices nothing.
 struct Kidnapping {
@@ -47,4 +47,4 @@ double kidnapped_after_s(const Kidnapping& kidnapping, std::uint64_t seed);
 /// Throws Error{input} if it never does.
 void kidnap(TrialLog& log, double after_s, double distance_m);
 
-}  // namespace parloc::compare
+}  // namespace parloc::tools::compare

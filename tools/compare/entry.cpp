@@ -13,7 +13,7 @@
 #include "common/config/pose_filters.h"
 #include "common/error.h"
 
-namespace parloc::compare {
+namespace parloc::tools::compare {
 namespace {
 
 std::vector<std::string> split(const std::string& text, char at) {
@@ -83,4 +83,4 @@ std::vector<Entry> read_entries(const std::string& list, const Config& base) {
   return entries;
 }
 
-}  // namespace parloc::compare
+}  // namespace parloc::tools::compare

@@ -7,7 +7,7 @@
 #include "common/config/config.h"
 #include "common/config/pose_filters.h"
 
-namespace parloc::compare {
+namespace parloc::tools::compare {
 
 struct Entry {
   std::string label;  ///< For people: "edh@100", "amcl:turtlebot3" with a file of its own.
@@ -24,4 +24,4 @@ inline constexpr const char* kDefaultFilters =
 /// a wrong number and for the same label twice; Error{config} as read_config().
 std::vector<Entry> read_entries(const std::string& list, const Config& base);
 
-}  // namespace parloc::compare
+}  // namespace parloc::tools::compare

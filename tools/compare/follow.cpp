@@ -8,7 +8,7 @@
 #include "common/eval/consistency.h"
 #include "common/math/portable64.h"
 
-namespace parloc::compare {
+namespace parloc::tools::compare {
 namespace {
 
 /// The circle's part between the directions of two seeds in a row: no two of them are ever near each other.
@@ -88,4 +88,4 @@ std::optional<FilterRun> follow(PoseFilter& filter, const TrialLog& log, const S
   return run;
 }
 
-}  // namespace parloc::compare
+}  // namespace parloc::tools::compare

@@ -11,7 +11,7 @@
 #include "common/eval/trial.h"
 #include "common/filter/pose_filter.h"
 
-namespace parloc::compare {
+namespace parloc::tools::compare {
 
 /// What the filters are told of the start, and how far off that is.
 struct StartPlan {
@@ -49,4 +49,4 @@ struct FilterRun {
 std::optional<FilterRun> follow(PoseFilter& filter, const TrialLog& log, const StartPlan& start,
                                 std::uint64_t seed, const std::function<bool()>& keep_going = {});
 
-}  // namespace parloc::compare
+}  // namespace parloc::tools::compare

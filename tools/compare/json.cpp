@@ -2,9 +2,9 @@
 
 #include "common/config/config.h"
 #include "tools/compare/comparison.h"
-#include "tools/report/machine_json.h"
+#include "tools/report/machine/machine_json.h"
 
-namespace parloc::compare {
+namespace parloc::tools::compare {
 namespace {
 
 using Json = nlohmann::ordered_json;  // a NaN is null there
@@ -108,7 +108,7 @@ Json times_json(const Comparison& c) {
   Json json{{"date", c.date},
             {"wall_s", c.wall_s},
             {"jobs", c.request.jobs},
-            {"machine", bench::machine_json(c.machine)},
+            {"machine", machine_json(c.machine)},
             {"filters", Json::array()}};
   for (std::size_t k = 0; k < c.summaries.size(); ++k) {
     const Summary& s = c.summaries[k];
@@ -127,13 +127,13 @@ Json times_json(const Comparison& c) {
 
 std::string json_text(const Comparison& c) {
   Json json{{"tool", "parloc compare"}, {"command", c.command}, {"interrupted", c.interrupted}};
-  json["build"] = bench::build_json();
+  json["build"] = build_json();
   json["plan"] = plan_json(c);
   json["published"] = published_json(c.published);
   json["filters"] = Json::array();
   for (std::size_t k = 0; k < c.summaries.size(); ++k) json["filters"].push_back(filter_json(c, k));
   json["times"] = times_json(c);
-  return bench::file_text(json);
+  return file_text(json);
 }
 
-}  // namespace parloc::compare
+}  // namespace parloc::tools::compare

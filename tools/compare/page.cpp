@@ -6,11 +6,12 @@
 #include <optional>
 
 #include "tools/compare/comparison.h"
-#include "tools/report/html_text.h"
+#include "tools/report/html_page.h"
+#include "tools/report/plots/svg_plot.h"
 #include "tools/report/report_sections.h"
-#include "tools/report/xy_plot.h"
+#include "tools/report/text/html_text.h"
 
-namespace parloc::compare {
+namespace parloc::tools::compare {
 namespace {
 
 constexpr std::size_t kColumns = 300;  // of a curve
@@ -61,19 +62,15 @@ double longest_s(const Comparison& c) {
   return longest;
 }
 
-std::vector<bench::Curve> drawn(const Curves& c, bool several) {
-  std::vector<bench::Curve> curves;
-  curves.push_back({several ? "worst of all runs" : "a lost run", "c5", bench::Marker::circle, false,
-                    c.worst_time_s, c.worst, false});
-  curves.push_back(
-      {several ? "root mean square of the runs that kept their robot" : "a run that kept its robot", "c1",
-       bench::Marker::circle, false, c.rms_time_s, c.rms, false});
-  return curves;
+std::vector<PlotSeries> drawn(const Curves& c, bool several) {
+  return {{several ? "worst of all runs" : "a lost run", "c5", c.worst_time_s, c.worst, LineKind::exact},
+          {several ? "root mean square of the runs that kept their robot" : "a run that kept its robot", "c1",
+           c.rms_time_s, c.rms, LineKind::exact}};
 }
 
 /// One plot per filter, all with the same axes.
 std::string error_plots(const Comparison& c, Series series, const char* what, const char* unit,
-                        std::optional<bench::Curve> limit = {}) {
+                        std::optional<PlotSeries> limit = {}) {
   const double until_s = longest_s(c);
   const bool several = c.request.seeds > 1;
   std::vector<Curves> all;
@@ -84,35 +81,36 @@ std::string error_plots(const Comparison& c, Series series, const char* what, co
     for (const double v : curves.worst) high = std::max(high, v);
   }
   std::string html = fmt::format("<h2>{}, {}</h2>\n", what, unit);
-  std::vector<bench::Curve> legend = drawn({}, several);
+  std::vector<PlotSeries> legend = drawn({}, several);
   if (limit) legend.push_back(*limit);
-  html += bench::render_legend(legend);
+  html += render_legend(legend);
   if (high >= kMost)
     html += fmt::format("<p class=\"note\">Drawn at {:g} {}: all that is more.</p>\n", kMost, unit);
-  html += "<div class=\"xys\">";
+  html += "<div class=\"sizes\">";
   for (std::size_t k = 0; k < all.size(); ++k) {
-    bench::XyPlot plot;
-    plot.title = c.request.entries[k].label;
-    plot.x_name = "s since the start";
-    plot.unit = bench::YUnit::plain;
-    plot.x_ticks = bench::ticks_to(until_s);
-    if (high > 0.0) plot.y_span = {low, high};
-    plot.curves = drawn(all[k], several);
-    if (limit) plot.curves.push_back(*limit);
-    html += bench::render(plot);
+    Plot plot{c.request.entries[k].label, "", PlotScale::logarithmic};
+    plot.legend = false;
+    if (high > 0.0) plot.span = {low, high};
+    plot.series = drawn(all[k], several);
+    if (limit) plot.series.push_back(*limit);
+    html += render_plot(plot, size_axis({until_s}, "s since the start", false, false));
   }
   return html + "</div>\n";
 }
 
-bench::Curve lost_limit(const Comparison& c) {
-  const double until_s = longest_s(c);
-  return {"lost, if it ends above", "c6", bench::Marker::circle, true, {0.0, until_s},
-          {kLost_m, kLost_m},       false};
+PlotSeries lost_limit(const Comparison& c) {
+  return {"lost, if it ends above",
+          "c6",
+          {0.0, longest_s(c)},
+          {kLost_m, kLost_m},
+          LineKind::exact,
+          Marker::none,
+          true};
 }
 
 /// The first column and `count` others.
-bench::Table narrowed(const bench::Table& t, std::size_t first, std::size_t count) {
-  bench::Table part;
+Table narrowed(const Table& t, std::size_t first, std::size_t count) {
+  Table part;
   const auto taken = [&](const auto& all) {
     auto some = all;
     some.assign(all.begin() + static_cast<std::ptrdiff_t>(first),
@@ -127,14 +125,13 @@ bench::Table narrowed(const bench::Table& t, std::size_t first, std::size_t coun
 
 /// In two parts: a window has no room for all columns side by side.
 std::string error_tables(const Comparison& c) {
-  const bench::Table all = error_table(c);
-  const auto heading = std::find_if(all.columns.begin(), all.columns.end(), [](const bench::Column& column) {
-    return column.group == "heading, rad";
-  });
+  const Table all = error_table(c);
+  const auto heading = std::find_if(all.columns.begin(), all.columns.end(),
+                                    [](const Column& column) { return column.group == "heading, rad"; });
   const auto first = static_cast<std::size_t>(heading - all.columns.begin());
-  bench::Table position = narrowed(all, 1, first - 1);
+  Table position = narrowed(all, 1, first - 1);
   position.title = all.title;
-  return bench::html_text(position) + bench::html_text(narrowed(all, first, all.columns.size() - first));
+  return html_text(position) + html_text(narrowed(all, first, all.columns.size() - first));
 }
 
 constexpr const char* kStyle = "th{width:22%;overflow-wrap:normal}table.numbers th{width:auto}";
@@ -143,16 +140,16 @@ constexpr const char* kStyle = "th{width:22%;overflow-wrap:normal}table.numbers 
 
 std::string html_page(const Comparison& c) {
   const std::string title = "parloc compare";
-  std::string html = bench::page_head(title, c.date, c.command, kStyle);
+  std::string html = page_head(title, c.date, c.command, kStyle);
   if (c.interrupted)
     html += fmt::format("<div class=\"warning\">Interrupted: {} of {} runs.</div>\n", c.outcome.finished,
                         c.request.seeds * c.request.entries.size());
-  html += error_tables(c) + bench::html_text(time_table(c));
+  html += error_tables(c) + html_text(time_table(c));
   html += error_plots(c, &TrackErrors::position_error_m, "Position errors", "m", lost_limit(c));
   html += error_plots(c, &TrackErrors::heading_error_rad, "Heading errors", "rad");
-  html += "<h2>What was compared</h2>\n" + bench::facts_table(origin_lines(c)) + "<h2>Where it ran</h2>\n" +
-          bench::facts_table(machine_lines(c));
+  html += "<h2>What was compared</h2>\n" + facts_table(origin_facts(c)) + "<h2>Where it ran</h2>\n" +
+          facts_table(machine_facts(c));
   return html + "</body></html>\n";
 }
 
-}  // namespace parloc::compare
+}  // namespace parloc::tools::compare

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-namespace parloc::compare {
+namespace parloc::tools::compare {
 namespace {
 
 // Slides of the study (TurtleBot3 House in Gazebo, LDS-01,
@@ -79,4 +79,4 @@ const PublishedRow* find_row(const PublishedSetting& setting, const std::string&
   return row == setting.rows.end() ? nullptr : &*row;
 }
 
-}  // namespace parloc::compare
+}  // namespace parloc::tools::compare

@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-namespace parloc::compare {
+namespace parloc::tools::compare {
 
 /// One filter at one noise of the wheels. Mean over the authors' runs.
 struct PublishedRow {
@@ -35,4 +35,4 @@ const PublishedSetting* find_published(double kappa_m, double sigma_range_m, dou
 const PublishedRow* find_row(const PublishedSetting& setting, const std::string& kind,
                              std::int64_t particles);
 
-}  // namespace parloc::compare
+}  // namespace parloc::tools::compare

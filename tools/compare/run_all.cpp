@@ -12,7 +12,7 @@
 #include "common/error.h"
 #include "tools/program/run_items.h"
 
-namespace parloc::compare {
+namespace parloc::tools::compare {
 namespace {
 
 /// What all threads write to.
@@ -28,7 +28,7 @@ struct Board {
 class SeedRunner {
  public:
   SeedRunner(const Request& request, const DriveSource& source, const GridMap& map, Board& board,
-             bench::KeepGoing keep_going)
+             KeepGoing keep_going)
       : request_(request),
         source_(source),
         map_(map),
@@ -72,7 +72,7 @@ class SeedRunner {
   const DriveSource& source_;
   const GridMap& map_;
   Board& board_;
-  bench::KeepGoing keep_going_;
+  KeepGoing keep_going_;
   std::vector<std::unique_ptr<PoseFilter>> filters_;
 };
 
@@ -87,12 +87,11 @@ Outcome run_all(const Request& request, const DriveSource& source, const GridMap
     const auto all = static_cast<double>(request.seeds * request.entries.size());
     if (request.progress) request.progress(static_cast<double>(board.finished) / all, board.finished);
   };
-  bench::run_items({request.seeds, request.jobs, request.stop, tell},
-                   [&](std::size_t, const bench::KeepGoing& keep_going) -> bench::Worker {
-                     const auto runner =
-                         std::make_shared<SeedRunner>(request, source, map, board, keep_going);
-                     return [runner](std::size_t s) { runner->run(s); };
-                   });
+  run_items({request.seeds, request.jobs, request.stop, tell},
+            [&](std::size_t, const KeepGoing& keep_going) -> Worker {
+              const auto runner = std::make_shared<SeedRunner>(request, source, map, board, keep_going);
+              return [runner](std::size_t s) { runner->run(s); };
+            });
   for (auto& of_entry : board.runs) {
     std::vector<FilterRun>& finished = board.outcome.runs.emplace_back();
     for (auto& one : of_entry)
@@ -102,4 +101,4 @@ Outcome run_all(const Request& request, const DriveSource& source, const GridMap
   return std::move(board.outcome);
 }
 
-}  // namespace parloc::compare
+}  // namespace parloc::tools::compare

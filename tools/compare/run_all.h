@@ -12,7 +12,7 @@
 #include "tools/compare/entry.h"
 #include "tools/compare/follow.h"
 
-namespace parloc::compare {
+namespace parloc::tools::compare {
 
 struct Request {
   std::vector<Entry> entries;
@@ -38,4 +38,4 @@ struct Outcome {
 /// The first error of any run ends the work and is thrown.
 Outcome run_all(const Request& request, const DriveSource& source, const GridMap& map);
 
-}  // namespace parloc::compare
+}  // namespace parloc::tools::compare

@@ -3,7 +3,7 @@
 
 #include "tools/compare/comparison.h"
 
-namespace parloc::compare {
+namespace parloc::tools::compare {
 namespace {
 
 template <class Value>
@@ -55,8 +55,8 @@ Summary summarise(const std::vector<FilterRun>& runs) {
   }
   s.skipped = skipped / scans;
   s.real_time_factor = driven_s / working_s;
-  s.step = bench::summarise(std::move(steps));
+  s.step = summarise_times(std::move(steps));
   return s;
 }
 
-}  // namespace parloc::compare
+}  // namespace parloc::tools::compare

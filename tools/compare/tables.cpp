@@ -4,10 +4,10 @@
 #include <iterator>
 
 #include "tools/compare/comparison.h"
-#include "tools/report/build_info.h"
-#include "tools/report/numbers.h"
+#include "tools/report/machine/machine.h"
+#include "tools/report/text/numbers.h"
 
-namespace parloc::compare {
+namespace parloc::tools::compare {
 namespace {
 
 constexpr std::size_t kWidth = 118;
@@ -43,43 +43,41 @@ std::string kidnapping_text(const Kidnapping& k) {
 
 }  // namespace
 
-Lines origin_lines(const Comparison& c) {
+Facts origin_facts(const Comparison& c) {
   const StartPlan& start = c.request.start;
-  Lines lines{{"drives", c.source}, {"map", c.map_path}};
-  lines.emplace_back("seeds",
-                     fmt::format("{} from {}{}", c.request.seeds, c.request.first_seed,
-                                 c.interrupted ? "; interrupted, the runs that were finished count" : ""));
+  Facts lines{{"drives", c.source}, {"map", c.map_path}};
+  lines.push_back(
+      {"seeds", fmt::format("{} from {}{}", c.request.seeds, c.request.first_seed,
+                            c.interrupted ? "; interrupted, the runs that were finished count" : "")});
   std::string told = fmt::format("spread {:g} m, {:g} rad", start.sigma_xy_m, start.sigma_theta_rad);
   if (start.off_m > 0.0 || start.off_rad > 0.0)
     told += fmt::format("; it is wrong by {:g} m and {:g} degrees", start.off_m,
                         start.off_rad * 180.0 / 3.14159265358979);
-  lines.emplace_back("start", told);
-  if (c.plan.kidnapping) lines.emplace_back("kidnapped", kidnapping_text(*c.plan.kidnapping));
+  lines.push_back({"start", told});
+  if (c.plan.kidnapping) lines.push_back({"kidnapped", kidnapping_text(*c.plan.kidnapping)});
   if (c.outcome.unmapped > 0)
-    lines.emplace_back("clutter", fmt::format("{:.1f} % of the hits are on things that are not on the map",
-                                              100.0 * static_cast<double>(c.outcome.unmapped) /
-                                                  static_cast<double>(c.outcome.hits)));
-  if (c.published != nullptr) lines.emplace_back("published", c.published->source);
-  lines.emplace_back("lost",
-                     fmt::format("farther than {0:g} m off at the end; '> {0:g} m': share of all scans "
-                                 "at which a run was so far off, lost or not",
-                                 kLost_m));
-  const std::string commit = bench::kCommit[0] == '\0' ? "" : fmt::format(", commit {}", bench::kCommit);
-  lines.emplace_back("build", fmt::format("parloc {}{}", bench::kVersion, commit));
+    lines.push_back({"clutter", fmt::format("{:.1f} % of the hits are on things that are not on the map",
+                                            100.0 * static_cast<double>(c.outcome.unmapped) /
+                                                static_cast<double>(c.outcome.hits))});
+  if (c.published != nullptr) lines.push_back({"published", c.published->source});
+  lines.push_back({"lost", fmt::format("farther than {0:g} m off at the end; '> {0:g} m': share of all scans "
+                                       "at which a run was so far off, lost or not",
+                                       kLost_m)});
+  lines.push_back({"build", version_text()});
   return lines;
 }
 
-Lines machine_lines(const Comparison& c) {
-  Lines lines{{"machine", fmt::format("{}, {} core{}", c.machine.cpu, c.machine.cores,
+Facts machine_facts(const Comparison& c) {
+  Facts lines{{"machine", fmt::format("{}, {} core{}", c.machine.cpu, c.machine.cores,
                                       c.machine.cores == 1 ? "" : "s")}};
   std::string how = c.request.jobs == 1 ? std::string("one filter at a time, each in one thread")
                                         : fmt::format("{} at once, which disturb each other", c.request.jobs);
-  lines.emplace_back("times", how + fmt::format("; whole work {:.1f} s", c.wall_s));
+  lines.push_back({"times", how + fmt::format("; whole work {:.1f} s", c.wall_s)});
   return lines;
 }
 
-bench::Table error_table(const Comparison& c) {
-  bench::Table t;
+Table error_table(const Comparison& c) {
+  Table t;
   t.title = "Errors: mean +- standard deviation of the runs that kept their robot";
   t.columns = {{"", "filter", true},
                {"", "runs"},
@@ -116,8 +114,8 @@ bench::Table error_table(const Comparison& c) {
   return t;
 }
 
-bench::Table time_table(const Comparison& c) {
-  bench::Table t;
+Table time_table(const Comparison& c) {
+  Table t;
   t.title = "Times on this machine: of a step that takes its scan in, and of all steps together";
   t.columns = {{"", "filter", true}, {"", "particles"},     {"", "median ms"},    {"", "p99 ms"},
                {"", "x real time"},  {"", "scans skipped"}, {"", "backend", true}};
@@ -125,35 +123,24 @@ bench::Table time_table(const Comparison& c) {
     const Summary& s = c.summaries[k];
     const bool timed = s.step.count > 0;
     t.rows.push_back({c.request.entries[k].label, s.particles > 0.0 ? number(s.particles, 0) : "-",
-                      timed ? bench::milliseconds_text(s.step.median_s) : "-",
-                      timed ? bench::milliseconds_text(s.step.p99_s) : "-",
-                      bench::significant(s.real_time_factor, 3), percent(s.skipped),
-                      c.outcome.backends[k].empty() ? "-" : c.outcome.backends[k]});
+                      timed ? milliseconds_text(s.step.median_s) : "-",
+                      timed ? milliseconds_text(s.step.p99_s) : "-", significant(s.real_time_factor, 3),
+                      percent(s.skipped), c.outcome.backends[k].empty() ? "-" : c.outcome.backends[k]});
   }
   return t;
 }
 
 std::string terminal_text(const Comparison& c) {
-  std::string text;
-  const auto print = [&](const Lines& lines) {
-    for (const auto& [name, value] : lines)
-      fmt::format_to(std::back_inserter(text), "{:<12}{}\n", name, value);
-    text += "\n";
-  };
-  print(origin_lines(c));
-  text += bench::terminal_text(error_table(c), kWidth) + "\n" + bench::terminal_text(time_table(c), kWidth) +
-          "\n";
-  print(machine_lines(c));
-  text.pop_back();
-  return text;
+  constexpr std::size_t kNames = 12;
+  return aligned_text(origin_facts(c), kNames) + "\n" + terminal_text(error_table(c), kWidth) + "\n" +
+         terminal_text(time_table(c), kWidth) + "\n" + aligned_text(machine_facts(c), kNames);
 }
 
 std::string markdown_text(const Comparison& c) {
   std::string text = fmt::format("# Filters compared\n\n```\n{}\n```\n\n{}.\n\n", c.command, c.date);
-  for (const auto& [name, value] : origin_lines(c)) text += fmt::format("- {}: {}\n", name, value);
-  text += "\n" + bench::markdown_text(error_table(c)) + "\n" + bench::markdown_text(time_table(c)) + "\n";
-  for (const auto& [name, value] : machine_lines(c)) text += fmt::format("- {}: {}\n", name, value);
-  return text;
+  text += markdown_list(origin_facts(c)) + "\n" + markdown_text(error_table(c)) + "\n" +
+          markdown_text(time_table(c)) + "\n";
+  return text + markdown_list(machine_facts(c));
 }
 
-}  // namespace parloc::compare
+}  // namespace parloc::tools::compare

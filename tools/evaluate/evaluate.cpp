@@ -23,9 +23,9 @@
 #include "tools/evaluate/evaluation.h"
 #include "tools/evaluate/run_trials.h"
 #include "tools/evaluate/trial_source.h"
-#include "tools/map/load_map.h"
 #include "tools/program/commands.h"
 #include "tools/program/interrupt.h"
+#include "tools/program/load_map.h"
 #include "tools/program/output_folder.h"
 #include "tools/program/parse_number.h"
 #include "tools/program/progress.h"
@@ -50,7 +50,8 @@ void declare(CLI::App& app, EvaluateOptions& o) {
   add_text_option(app, "--truth", o.truth, "T.tum", "... with its true path, from --starts K times (20)");
   add_text_option(app, "--starts", o.starts, "K", "Spread over the log")->group("");
   add_text_option(app, "--map", o.map, "M.yaml", "Map to localize on (the scenario's)");
-  add_text_option(app, "--task", o.task, "WHAT", "global, kidnap or track (global)");
+  add_text_option(app, "--task", o.task, "WHAT", "global, kidnap or track (global)")
+      ->check(one_of({"global", "kidnap", "track"}));
   add_text_option(app, "--trials", o.trials, "N", "How many (100; of a log, all starts)");
   add_text_option(app, "--seed", o.seed, "FIRST", "First seed; of a log, first start (1)");
   add_text_option(app, "--duration", o.duration, "S", "Of a trial (limit + 10; of a log, to its end)");
@@ -77,14 +78,8 @@ constexpr std::uint64_t kMostTrials = 100000, kLastSeed = 1000000000;
 TrialPlan plan_of(const EvaluateOptions& o, double& limit_s) {
   TrialPlan plan;
   const std::string task = o.task.empty() ? "global" : o.task;
-  bool known = false;
-  for (const TrialTask t : {TrialTask::global, TrialTask::kidnap, TrialTask::track}) {
-    if (task != evaluate::name_of(t)) continue;
-    plan.task = t;
-    known = true;
-  }
-  if (!known)
-    throw Error(ErrorKind::usage, fmt::format("--task: expected global, kidnap or track, got '{}'", task));
+  for (const TrialTask t : {TrialTask::global, TrialTask::kidnap, TrialTask::track})
+    if (task == evaluate::name_of(t)) plan.task = t;
   limit_s = plan.task == TrialTask::kidnap ? 5.0 : 3.0;
   if (!o.limit.empty()) limit_s = parse_number("--limit", o.limit, 0.0, kLongest_s);
   plan.duration_s = !o.log.empty() ? 0.0 : limit_s + plan.hold_s;
@@ -214,8 +209,8 @@ int run(const EvaluateOptions& o, const std::string& typed) {
   check_options(o);
   Evaluation e;
   e.command = typed;
-  e.date = bench::date_now();
-  e.machine = bench::machine_here();
+  e.date = date_now();
+  e.machine = machine_here();
   e.plan = plan_of(o, e.limit_s);
   e.first_seed = whole_within("--seed", o.seed, 0, kLastSeed, 1);
   const auto cores = std::max<std::uint64_t>(1, std::thread::hardware_concurrency());

@@ -7,7 +7,7 @@
 #include "common/file/output_file.h"
 #include "tools/evaluate/relations.h"
 #include "tools/program/output_folder.h"
-#include "tools/report/machine.h"
+#include "tools/report/machine/machine.h"
 
 namespace parloc::tools {
 namespace {
@@ -21,7 +21,7 @@ int evaluate_relations(const RelationsOptions& o, const std::string& typed) {
   const evaluate::PublishedLog* log = o.dataset.empty() ? nullptr : &evaluate::published_log(o.dataset);
   evaluate::RelationsReport report = evaluate::judge_by_relations(o.trajectory, o.relations);
   report.command = typed;
-  report.date = bench::date_now();
+  report.date = date_now();
   report.log = log;
   const std::string json = evaluate::json_text(report);
   if (!o.out.empty()) {

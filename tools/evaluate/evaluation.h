@@ -9,14 +9,14 @@
 #include "common/eval/trial_summary.h"
 #include "common/localize/localizer.h"
 #include "common/map/grid_map.h"
-#include "tools/report/html_page.h"
-#include "tools/report/machine.h"
+#include "tools/report/machine/machine.h"
+#include "tools/report/text/facts.h"
 
-namespace parloc::evaluate {
+namespace parloc::tools::evaluate {
 
 struct Evaluation {
   std::string command, date;  ///< As typed; UTC.
-  bench::Machine machine;
+  Machine machine;
   bool recorded = false;         ///< A log; else simulated.
   std::string source, map_path;  ///< Where the trials come from, for people; what was localized on.
   TrialPlan plan;
@@ -34,10 +34,9 @@ struct Evaluation {
 const char* name_of(TrialTask task);
 
 /// What a reader wants to know first, as sentences: name and value.
-using Lines = bench::Lines;
-Lines result_lines(const Evaluation& e);
-Lines time_lines(const Evaluation& e);    ///< What depends on the machine.
-Lines origin_lines(const Evaluation& e);  ///< What was evaluated, and how.
+Facts result_facts(const Evaluation& e);
+Facts time_facts(const Evaluation& e);    ///< What depends on the machine.
+Facts origin_facts(const Evaluation& e);  ///< What was evaluated, and how.
 /// "said 0.0 to 0.1: 12 samples, mean 0.03, right 1.2 %", the bins with samples.
 std::vector<std::vector<std::string>> reliability_rows(const Evaluation& e);
 
@@ -48,4 +47,4 @@ std::string html_page(const Evaluation& e, const GridMap& map);
 /// One line per sample of every trial, as CSV with a header.
 std::string samples_csv(const Evaluation& e);
 
-}  // namespace parloc::evaluate
+}  // namespace parloc::tools::evaluate

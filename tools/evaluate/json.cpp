@@ -2,9 +2,9 @@
 
 #include "common/config/config.h"
 #include "tools/evaluate/evaluation.h"
-#include "tools/report/machine_json.h"
+#include "tools/report/machine/machine_json.h"
 
-namespace parloc::evaluate {
+namespace parloc::tools::evaluate {
 namespace {
 
 using Json = nlohmann::ordered_json;
@@ -108,21 +108,21 @@ Json times_json(const Evaluation& e) {
           {"wall_s", e.wall_s},
           {"jobs", e.jobs},
           {"date", e.date},
-          {"machine", bench::machine_json(e.machine)}};
+          {"machine", machine_json(e.machine)}};
 }
 
 }  // namespace
 
 std::string json_text(const Evaluation& e) {
   Json json{{"tool", "parloc evaluate"}, {"command", e.command}, {"interrupted", e.interrupted}};
-  json["build"] = bench::build_json();
+  json["build"] = build_json();
   json["plan"] = plan_json(e);
   json["config"] = config_to_yaml(e.config);
   json["summary"] = summary_json(e);
   json["times"] = times_json(e);
   json["trials"] = Json::array();
   for (const TrialResult& t : e.trials) json["trials"].push_back(trial_json(e, t));
-  return bench::file_text(json);
+  return file_text(json);
 }
 
-}  // namespace parloc::evaluate
+}  // namespace parloc::tools::evaluate

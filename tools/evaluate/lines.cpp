@@ -4,9 +4,9 @@
 #include <iterator>
 
 #include "tools/evaluate/evaluation.h"
-#include "tools/report/build_info.h"
+#include "tools/report/machine/machine.h"
 
-namespace parloc::evaluate {
+namespace parloc::tools::evaluate {
 namespace {
 
 constexpr std::size_t kSeedsListed = 40;
@@ -61,45 +61,45 @@ const char* name_of(TrialTask task) {
   return task == TrialTask::global ? "global" : task == TrialTask::kidnap ? "kidnap" : "track";
 }
 
-Lines result_lines(const Evaluation& e) {
+Facts result_facts(const Evaluation& e) {
   const TrialSummary& s = e.summary;
-  Lines lines{{"success", fmt::format("{}: right within {:g} s, and for {:g} s from there",
+  Facts lines{{"success", fmt::format("{}: right within {:g} s, and for {:g} s from there",
                                       rate_text(s.success), e.limit_s, e.plan.hold_s)}};
   if (s.localized.hits == 0) {
-    lines.emplace_back("localized after", "never, in any trial");
+    lines.push_back({"localized after", "never, in any trial"});
   } else {
-    lines.emplace_back("localized after",
-                       fmt::format("{} ({} of {} trials ever were)", spread_text(s.localize_s, "s", 1),
-                                   s.localized.hits, s.trials));
-    lines.emplace_back("right ever since", rate_text(s.right_after) + ": of these, never wrong to the end");
+    lines.push_back(
+        {"localized after", fmt::format("{} ({} of {} trials ever were)", spread_text(s.localize_s, "s", 1),
+                                        s.localized.hits, s.trials)});
+    lines.push_back({"right ever since", rate_text(s.right_after) + ": of these, never wrong to the end"});
   }
   if (e.plan.task == TrialTask::kidnap) {
-    lines.emplace_back("tracked before",
-                       rate_text(s.tracked_before) + ": right and tracking when it was kidnapped");
-    lines.emplace_back("noticed", rate_text(s.noticed) + fmt::format(" within {:g} s", e.plan.grace_s));
-    lines.emplace_back("noticed after", spread_text(s.notice_s, "s", 1));
+    lines.push_back(
+        {"tracked before", rate_text(s.tracked_before) + ": right and tracking when it was kidnapped"});
+    lines.push_back({"noticed", rate_text(s.noticed) + fmt::format(" within {:g} s", e.plan.grace_s)});
+    lines.push_back({"noticed after", spread_text(s.notice_s, "s", 1)});
   }
-  lines.emplace_back("sure but wrong",
-                     rate_text(s.confident_wrong) + ": trials that say tracking while wrong");
-  lines.emplace_back("... for 1 s on", rate_text(s.confident_wrong_1s));
-  lines.emplace_back("false lost",
-                     fmt::format("{} in {:.2f} h of driving while right: {} per hour", s.false_lost,
-                                 s.right_s / 3600.0, number(s.false_lost_per_hour, 1)));
-  lines.emplace_back("missed lost", missed_text(s));
+  lines.push_back(
+      {"sure but wrong", rate_text(s.confident_wrong) + ": trials that say tracking while wrong"});
+  lines.push_back({"... for 1 s on", rate_text(s.confident_wrong_1s)});
+  lines.push_back(
+      {"false lost", fmt::format("{} in {:.2f} h of driving while right: {} per hour", s.false_lost,
+                                 s.right_s / 3600.0, number(s.false_lost_per_hour, 1))});
+  lines.push_back({"missed lost", missed_text(s)});
   if (s.localized.hits > 0) {
-    lines.emplace_back("error", fmt::format("{} m RMSE since it was localized", number(s.rmse_m, 4)));
-    lines.emplace_back("NEES", nees_text(s.nees));
+    lines.push_back({"error", fmt::format("{} m RMSE since it was localized", number(s.rmse_m, 4))});
+    lines.push_back({"NEES", nees_text(s.nees)});
   }
-  lines.emplace_back("probability",
-                     fmt::format("Brier {}, AUC {} over {} scans", number(s.calibration.brier, 4),
-                                 number(s.calibration.auc, 4), s.samples));
-  lines.emplace_back("searches",
-                     fmt::format("{:.2f} per trial, most {:.0f}", s.searches_mean, s.searches_most));
-  lines.emplace_back("failed seeds", seeds_text(s.failed));
+  lines.push_back(
+      {"probability", fmt::format("Brier {}, AUC {} over {} scans", number(s.calibration.brier, 4),
+                                  number(s.calibration.auc, 4), s.samples)});
+  lines.push_back(
+      {"searches", fmt::format("{:.2f} per trial, most {:.0f}", s.searches_mean, s.searches_most)});
+  lines.push_back({"failed seeds", seeds_text(s.failed)});
   return lines;
 }
 
-Lines time_lines(const Evaluation& e) {
+Facts time_facts(const Evaluation& e) {
   return {{"step", spread_text(e.summary.step_ms, "ms", 2)},
           {"with search", spread_text(e.summary.search_ms, "ms", 1)},
           {"whole work", fmt::format("{:.1f} s in {} job{}", e.wall_s, e.jobs, e.jobs == 1 ? "" : "s")},
@@ -107,31 +107,30 @@ Lines time_lines(const Evaluation& e) {
            fmt::format("{}, {} core{}", e.machine.cpu, e.machine.cores, e.machine.cores == 1 ? "" : "s")}};
 }
 
-Lines origin_lines(const Evaluation& e) {
+Facts origin_facts(const Evaluation& e) {
   const char* tasks[] = {"the start is not given",
                          "the start is given; half-way the robot is put somewhere else",
                          "the start is given"};
-  const std::string commit = bench::kCommit[0] == '\0' ? "" : fmt::format(", commit {}", bench::kCommit);
-  Lines lines{{"trials", e.source}, {"map", e.map_path}};
-  lines.emplace_back("task",
-                     fmt::format("{}: {}", name_of(e.plan.task), tasks[static_cast<int>(e.plan.task)]));
+  Facts lines{{"trials", e.source}, {"map", e.map_path}};
+  lines.push_back(
+      {"task", fmt::format("{}: {}", name_of(e.plan.task), tasks[static_cast<int>(e.plan.task)])});
   std::string amount = fmt::format("{} from seed {}", e.trials.size(), e.first_seed);
   if (e.plan.duration_s > 0.0)
     amount += fmt::format(", {:g} s{}", e.plan.duration_s, e.plan.task == TrialTask::kidnap ? " twice" : "");
   if (e.interrupted) amount += fmt::format("; interrupted, {} were wanted", e.wanted);
-  lines.emplace_back("amount", amount);
+  lines.push_back({"amount", amount});
   if (e.summary.unmapped > 0.0)
-    lines.emplace_back("clutter", percent(e.summary.unmapped) +
-                                      " of the hits are on people and boxes that are not on the map");
-  lines.emplace_back("right", fmt::format("within {:g} m and {:.0f} degrees of the truth", e.plan.near_m,
-                                          e.plan.near_rad * 180.0 / 3.14159265358979));
+    lines.push_back({"clutter", percent(e.summary.unmapped) +
+                                    " of the hits are on people and boxes that are not on the map"});
+  lines.push_back({"right", fmt::format("within {:g} m and {:.0f} degrees of the truth", e.plan.near_m,
+                                        e.plan.near_rad * 180.0 / 3.14159265358979)});
   if (e.plan.duration_s > 0.0 && e.plan.duration_s < e.limit_s + e.plan.hold_s - 1e-9)
-    lines.emplace_back(
-        "note",
-        fmt::format("a trial that is right only at {:g} s is watched for {:g} s, not {:g} s", e.limit_s,
-                    e.plan.duration_s > e.limit_s ? e.plan.duration_s - e.limit_s : 0.0, e.plan.hold_s));
-  lines.emplace_back("filter", fmt::format("{} particles", e.config.particles));
-  lines.emplace_back("build", fmt::format("parloc {}{}", bench::kVersion, commit));
+    lines.push_back(
+        {"note",
+         fmt::format("a trial that is right only at {:g} s is watched for {:g} s, not {:g} s", e.limit_s,
+                     e.plan.duration_s > e.limit_s ? e.plan.duration_s - e.limit_s : 0.0, e.plan.hold_s)});
+  lines.push_back({"filter", fmt::format("{} particles", e.config.particles)});
+  lines.push_back({"build", version_text()});
   return lines;
 }
 
@@ -149,20 +148,12 @@ std::vector<std::vector<std::string>> reliability_rows(const Evaluation& e) {
 }
 
 std::string terminal_text(const Evaluation& e) {
-  std::string text;
-  const auto print = [&](const Lines& lines) {
-    for (const auto& [name, value] : lines)
-      fmt::format_to(std::back_inserter(text), "{:<18}{}\n", name, value);
-  };
-  print(origin_lines(e));
-  text += "\n";
-  print(result_lines(e));
+  constexpr std::size_t kNames = 18;
+  std::string text = aligned_text(origin_facts(e), kNames) + "\n" + aligned_text(result_facts(e), kNames);
   text += "\nprobability said    scans  mean said  was right\n";
   for (const auto& row : reliability_rows(e))
     fmt::format_to(std::back_inserter(text), "{:<16}{:>9}{:>11}{:>11}\n", row[0], row[1], row[2], row[3]);
-  text += "\nOn this machine:\n";
-  print(time_lines(e));
-  return text;
+  return text + "\nOn this machine:\n" + aligned_text(time_facts(e), kNames);
 }
 
 std::string samples_csv(const Evaluation& e) {
@@ -178,4 +169,4 @@ std::string samples_csv(const Evaluation& e) {
   return csv;
 }
 
-}  // namespace parloc::evaluate
+}  // namespace parloc::tools::evaluate

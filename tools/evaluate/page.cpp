@@ -5,13 +5,14 @@
 #include <iterator>
 
 #include "tools/evaluate/evaluation.h"
-#include "tools/report/html_text.h"
+#include "tools/report/html_page.h"
 #include "tools/report/map_view.h"
+#include "tools/report/plots/svg_plot.h"
 #include "tools/report/report_sections.h"
-#include "tools/report/table.h"
-#include "tools/report/xy_plot.h"
+#include "tools/report/text/html_text.h"
+#include "tools/report/text/table.h"
 
-namespace parloc::evaluate {
+namespace parloc::tools::evaluate {
 namespace {
 
 constexpr std::int32_t kLeastMap_px = 600, kMostMap_px = 1600;
@@ -24,42 +25,30 @@ std::string time_plot(const Evaluation& e) {
   }
   double until_s = 1.5 * e.limit_s;
   for (const double t : localized_s) until_s = std::max(until_s, 1.05 * t);
-  bench::XyPlot plot;
-  plot.title = "Trials localized by then, %";
-  plot.x_name = e.plan.task == TrialTask::kidnap ? "s since the kidnapping" : "s since the start";
-  plot.unit = bench::YUnit::plain;
-  plot.y_logarithmic = false;
-  plot.y_span = {0.0, 100.0};
-  plot.curves.push_back(bench::cumulative_curve("localized", "c1", localized_s, e.trials.size(), until_s));
-  if (e.plan.task == TrialTask::kidnap)
-    plot.curves.push_back(bench::cumulative_curve("noticed", "c5", noticed_s, e.trials.size(), until_s));
-  plot.curves.push_back(
-      {"limit", "c6", bench::Marker::circle, true, {e.limit_s, e.limit_s}, {0.0, 100.0}, false});
-  plot.x_ticks = bench::ticks_to(until_s);
-  return "<div>" + bench::render(plot) + bench::render_legend(plot.curves) + "</div>";
+  Plot plot{"Trials localized by then", "%", PlotScale::from_zero};
+  plot.span = {100.0};
+  plot.series.push_back(cumulative_series("localized", "c1", localized_s, e.trials.size(), until_s));
+  const bool kidnap = e.plan.task == TrialTask::kidnap;
+  if (kidnap) plot.series.push_back(cumulative_series("noticed", "c5", noticed_s, e.trials.size(), until_s));
+  plot.series.push_back(upright("limit", "c6", e.limit_s, 0.0, 100.0));
+  return render_plot(plot, size_axis(plot, kidnap ? "s since the kidnapping" : "s since the start"));
 }
 
 std::string reliability_plot(const Evaluation& e) {
-  bench::Curve measured{"measured", "c1", bench::Marker::circle, false, {}, {}, true};
+  PlotSeries measured{"measured", "c1", {}, {}, LineKind::exact, Marker::circle};
   for (const ReliabilityBin& bin : e.summary.calibration.bins) {
     if (bin.count == 0) continue;
     measured.x.push_back(bin.forecast_mean);
     measured.y.push_back(bin.observed);
   }
-  bench::XyPlot plot;
-  plot.title = "Share of scans that were right";
-  plot.x_name = "probability of being right, as it says";
-  plot.unit = bench::YUnit::plain;
-  plot.y_logarithmic = false;
-  plot.x_ticks = {0.0, 0.2, 0.4, 0.6, 0.8, 1.0};
-  plot.y_span = {0.0, 1.0};
-  plot.curves = {{"as it should be", "c6", bench::Marker::circle, true, {0.0, 1.0}, {0.0, 1.0}, false},
-                 measured};
-  return "<div>" + bench::render(plot) + bench::render_legend(plot.curves) + "</div>";
+  const PlotSeries ideal{"as it should be", "c6",         {0.0, 1.0}, {0.0, 1.0},
+                         LineKind::exact,   Marker::none, true};
+  const Plot plot{"Share of scans that were right", "", PlotScale::from_zero, {ideal, measured}};
+  return render_plot(plot, size_axis(plot, "probability of being right, as it says"));
 }
 
-bench::Table reliability_table(const Evaluation& e) {
-  bench::Table table;
+Table reliability_table(const Evaluation& e) {
+  Table table;
   table.title = "Probability of being right";
   table.columns = {{"", "it says", true}, {"", "scans"}, {"", "mean said"}, {"", "was right"}};
   table.rows = reliability_rows(e);
@@ -82,19 +71,12 @@ std::string dots(const Evaluation& e, const MapView& view, bool success) {
 std::string map_figure(const Evaluation& e, const GridMap& map) {
   RunReport only_map;
   only_map.map = &map;
-  const std::optional<MapView> fitted = fit_view(only_map, kLeastMap_px, kMostMap_px);
-  if (!fitted) return "";
-  const MapView& view = *fitted;
-  std::string html = std::string("<h2>Where they started</h2>\n") + invert_filter();
-  html +=
-      "<figure><figcaption><span class=\"key\"><i class=\"dot c4\"></i>success</span><span class=\"key\"><i "
-      "class=\"dot c5\"></i>failure</span></figcaption>";
-  html += fmt::format(
-      "<div class=\"map\" style=\"max-width:{:.1f}vh\"><svg viewBox=\"0 0 {} {}\" role=\"img\" "
-      "aria-label=\"Map with the starts\">",
-      85.0 * view.width_px / view.height_px, view.width_px, view.height_px);
-  html += map_image(map, view) + dots(e, view, true) + dots(e, view, false) + "</svg>" + scale_bar(view);
-  return html + "</div></figure>\n";
+  const std::optional<MapView> view = fit_view(only_map, kLeastMap_px, kMostMap_px);
+  if (!view) return "";
+  const std::string drawing = map_image(map, *view) + dots(e, *view, true) + dots(e, *view, false);
+  return std::string("<h2>Where they started</h2>\n") + invert_filter() + "<figure><figcaption>" +
+         legend_key("dot c4", "success") + legend_key("dot c5", "failure") + "</figcaption>" +
+         map_frame(*view, "Map with the starts", drawing) + "</figure>\n";
 }
 
 constexpr const char* kStyle =
@@ -105,21 +87,21 @@ constexpr const char* kStyle =
 
 std::string html_page(const Evaluation& e, const GridMap& map) {
   const std::string title = fmt::format("parloc evaluate: {}", name_of(e.plan.task));
-  std::string html = bench::page_head(title, e.date, e.command, kStyle);
+  std::string html = page_head(title, e.date, e.command, kStyle);
   if (e.interrupted)
     html += fmt::format("<div class=\"warning\">Interrupted: {} of {} trials.</div>\n", e.trials.size(),
                         e.wanted);
-  html += bench::facts_table(result_lines(e), "summary");
-  html += "<h2>How soon, and how honest</h2>\n<div class=\"xys\">" + time_plot(e) + reliability_plot(e) +
+  html += facts_table(result_facts(e), "summary");
+  html += "<h2>How soon, and how honest</h2>\n<div class=\"sizes\">" + time_plot(e) + reliability_plot(e) +
           "</div>\n";
-  html += bench::html_text(reliability_table(e));
+  html += html_text(reliability_table(e));
   html += map_figure(e, map);
-  html += "<h2>What was evaluated</h2>\n" + bench::facts_table(origin_lines(e));
+  html += "<h2>What was evaluated</h2>\n" + facts_table(origin_facts(e));
   html +=
       "<h2>Times on this machine</h2>\n<p class=\"note\">All else on this page is the same on every "
       "machine.</p>\n" +
-      bench::facts_table(time_lines(e));
+      facts_table(time_facts(e));
   return html + "</body></html>\n";
 }
 
-}  // namespace parloc::evaluate
+}  // namespace parloc::tools::evaluate

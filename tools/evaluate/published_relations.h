@@ -5,7 +5,7 @@
 #include <array>
 #include <string>
 
-namespace parloc::evaluate {
+namespace parloc::tools::evaluate {
 
 /// Of the translation, over all relations of a log [m].
 struct PublishedError {
@@ -36,4 +36,4 @@ inline constexpr std::array<PublishedLog, 6> kPublishedLogs{{
 /// Throws Error{usage} that names all of them.
 const PublishedLog& published_log(const std::string& name);
 
-}  // namespace parloc::evaluate
+}  // namespace parloc::tools::evaluate

@@ -7,9 +7,10 @@
 #include "common/error.h"
 #include "tools/evaluate/relations_tables.h"
 #include "tools/report/config_facts.h"
-#include "tools/report/machine_json.h"
+#include "tools/report/machine/machine_json.h"
+#include "tools/report/relation_facts.h"
 
-namespace parloc::evaluate {
+namespace parloc::tools::evaluate {
 namespace {
 
 using Json = nlohmann::ordered_json;
@@ -62,15 +63,15 @@ RelationsReport judge_by_relations(const std::string& trajectory_path, const std
 
 std::string terminal_text(const RelationsReport& r) {
   std::string text;
-  for (const auto& [name, value] : origin_lines(r)) text += fmt::format("{:<18}{}\n", name, value);
+  text += aligned_text(origin_facts(r), 18);
   constexpr std::size_t kWidth = 100;
-  return text + "\n" + bench::terminal_text(error_table(r), kWidth) + "\n" +
-         bench::terminal_text(published_table(r), kWidth);
+  return text + "\n" + terminal_text(error_table(r), kWidth) + "\n" +
+         terminal_text(published_table(r), kWidth);
 }
 
 std::string json_text(const RelationsReport& r) {
   Json json{{"tool", "parloc evaluate"}, {"command", r.command}};
-  json["build"] = bench::build_json();
+  json["build"] = build_json();
   json["trajectory"] = {{"file", r.trajectory_path},
                         {"poses", r.trajectory.size()},
                         {"repeated_stamps", r.errors.repeated_stamps}};
@@ -79,7 +80,7 @@ std::string json_text(const RelationsReport& r) {
   json["dataset"] = r.log == nullptr ? Json(nullptr) : Json(r.log->name);
   json["published"] = published_json(r);
   json["largest"] = largest_json(r);
-  return bench::file_text(json);
+  return file_text(json);
 }
 
-}  // namespace parloc::evaluate
+}  // namespace parloc::tools::evaluate

@@ -7,7 +7,7 @@
 #include "common/eval/metrics.h"
 #include "tools/evaluate/published_relations.h"
 
-namespace parloc::evaluate {
+namespace parloc::tools::evaluate {
 
 struct RelationsReport {
   std::string command, date;  ///< As typed; UTC.
@@ -25,4 +25,4 @@ std::string terminal_text(const RelationsReport& r);
 std::string json_text(const RelationsReport& r);
 std::string html_page(const RelationsReport& r);
 
-}  // namespace parloc::evaluate
+}  // namespace parloc::tools::evaluate

@@ -6,14 +6,15 @@
 #include <optional>
 
 #include "tools/evaluate/relations_tables.h"
-#include "tools/report/build_info.h"
-#include "tools/report/html_text.h"
+#include "tools/report/html_page.h"
+#include "tools/report/machine/machine.h"
 #include "tools/report/map_view.h"
+#include "tools/report/plots/svg_plot.h"
 #include "tools/report/report_marks.h"
 #include "tools/report/report_sections.h"
-#include "tools/report/xy_plot.h"
+#include "tools/report/text/html_text.h"
 
-namespace parloc::evaluate {
+namespace parloc::tools::evaluate {
 namespace {
 
 constexpr double kDegrees = 180.0 / std::numbers::pi;
@@ -22,24 +23,13 @@ constexpr std::int32_t kLeastMap_px = 600, kMostMap_px = 1600;
 /// What is smaller is drawn there: the axis is logarithmic.
 constexpr double kLeastDrawn_m = 1e-4, kLeastDrawn_deg = 1e-3;
 
-bench::Curve upright(const std::string& label, const char* colour, double at) {
-  return {label, colour, bench::Marker::circle, true, {at, at}, {0.0, 100.0}, false};
-}
-
-bench::XyPlot share_plot(const char* title, const char* x_name, std::vector<double> values, double mean,
-                         double least) {
+Plot share_plot(const char* title, std::vector<double> values, double mean, double least) {
   for (double& v : values) v = std::max(v, least);
-  bench::XyPlot plot;
-  plot.title = title;
-  plot.x_name = x_name;
-  plot.x_logarithmic = true;
-  plot.y_logarithmic = false;
-  plot.unit = bench::YUnit::plain;
-  plot.y_span = {0.0, 100.0};
-  for (double tick = least; tick < 2e3; tick *= 10.0) plot.x_ticks.push_back(tick);
   const double most = *std::max_element(values.begin(), values.end());
-  plot.curves.push_back(bench::cumulative_curve("this trajectory", "c1", values, values.size(), most));
-  plot.curves.push_back(upright("its mean", "c1", std::max(mean, least)));
+  Plot plot{title, "", PlotScale::from_zero};
+  plot.legend = false;
+  plot.series = {cumulative_series("this trajectory", "c1", values, values.size(), most),
+                 upright("its mean", "c1", std::max(mean, least), 0.0, 100.0)};
   return plot;
 }
 
@@ -49,21 +39,21 @@ std::string plots(const RelationsReport& r) {
     translations_m.push_back(e.translation_m);
     rotations_deg.push_back(kDegrees * e.rotation_rad);
   }
-  bench::XyPlot translation =
-      share_plot("Relations with at most that error in translation, %", "m", std::move(translations_m),
-                 r.errors.translation_mean_m, kLeastDrawn_m);
+  Plot translation = share_plot("Relations with at most that error in translation, %",
+                                std::move(translations_m), r.errors.translation_mean_m, kLeastDrawn_m);
   const std::array<const char*, kPublishedMethods.size()> colours{"c5", "c2", "c4"};
   for (std::size_t m = 0; r.log != nullptr && m < colours.size(); ++m)
-    translation.curves.push_back(upright(fmt::format("{}: published mean", kPublishedMethods[m]), colours[m],
-                                         r.log->errors[m].mean_m));
-  const bench::XyPlot rotation = share_plot("... in rotation, %", "degrees", std::move(rotations_deg),
-                                            kDegrees * r.errors.rotation_mean_rad, kLeastDrawn_deg);
-  return "<div class=\"xys\">" + bench::render(translation) + bench::render(rotation) + "</div>\n" +
-         bench::render_legend(translation.curves);
+    translation.series.push_back(upright(fmt::format("{}: published mean", kPublishedMethods[m]), colours[m],
+                                         r.log->errors[m].mean_m, 0.0, 100.0));
+  const Plot rotation = share_plot("... in rotation, %", std::move(rotations_deg),
+                                   kDegrees * r.errors.rotation_mean_rad, kLeastDrawn_deg);
+  return "<div class=\"sizes\">" + render_plot(translation, size_axis(translation, "m", true)) +
+         render_plot(rotation, size_axis(rotation, "degrees", true)) + "</div>\n" +
+         render_legend(translation.series);
 }
 
-bench::Table largest_table(const std::vector<RelationError>& largest) {
-  bench::Table table;
+Table largest_table(const std::vector<RelationError>& largest) {
+  Table table;
   table.columns = {{"", "from [s]"}, {"", "to [s]"}, {"", "translation [m]"}, {"", "rotation [deg]"}};
   for (const RelationError& e : largest)
     table.rows.push_back({fmt::format("{:.6f}", e.stamp_1_s), fmt::format("{:.6f}", e.stamp_2_s),
@@ -86,19 +76,13 @@ std::string drawn(const RelationError& e, const MapView& view) {
 std::string map_figure(const RelationsReport& r, const std::vector<RelationError>& largest) {
   RunReport only_path;
   only_path.estimate = r.trajectory;
-  const std::optional<MapView> fitted = fit_view(only_path, kLeastMap_px, kMostMap_px);
-  if (!fitted) return "";
-  const MapView& view = *fitted;
-  std::string html =
-      "<figure><figcaption><span class=\"key\"><i class=\"line c6\"></i>trajectory</span><span "
-      "class=\"key\"><i class=\"dot c5\"></i>the two poses of a relation</span></figcaption>";
-  html += fmt::format(
-      "<div class=\"map\" style=\"max-width:{:.1f}vh\"><svg viewBox=\"0 0 {} {}\" role=\"img\" "
-      "aria-label=\"Trajectory with the largest errors\"><path class=\"way c6\" d=\"{}\"/>",
-      85.0 * view.width_px / view.height_px, view.width_px, view.height_px,
-      track_path(r.trajectory, view, {20000, 0.33}));
-  for (const RelationError& e : largest) html += drawn(e, view);
-  return html + "</svg>" + scale_bar(view) + "</div></figure>\n";
+  const std::optional<MapView> view = fit_view(only_path, kLeastMap_px, kMostMap_px);
+  if (!view) return "";
+  std::string drawing = svg_path("way c6", track_path(r.trajectory, *view, {20000, 0.33}));
+  for (const RelationError& e : largest) drawing += drawn(e, *view);
+  return "<figure><figcaption>" + legend_key("line c6", "trajectory") +
+         legend_key("dot c5", "the two poses of a relation") + "</figcaption>" +
+         map_frame(*view, "Trajectory with the largest errors", drawing) + "</figure>\n";
 }
 
 constexpr const char* kStyle =
@@ -108,16 +92,15 @@ constexpr const char* kStyle =
 }  // namespace
 
 std::string html_page(const RelationsReport& r) {
-  std::string html = bench::page_head("parloc evaluate: relation error", r.date, r.command, kStyle);
-  html += bench::facts_table(origin_lines(r), "summary");
-  html += bench::html_text(error_table(r)) + bench::html_text(published_table(r));
+  std::string html = page_head("parloc evaluate: relation error", r.date, r.command, kStyle);
+  html += facts_table(origin_facts(r), "summary");
+  html += html_text(error_table(r)) + html_text(published_table(r));
   html += "<h2>How large</h2>\n" + plots(r);
   const std::vector<RelationError> largest = largest_errors(r.errors);
-  html += "<h2>Where the largest errors are</h2>\n" + map_figure(r, largest) +
-          bench::html_text(largest_table(largest));
-  html += fmt::format("<p class=\"note\">parloc {}{}</p>\n", bench::kVersion,
-                      bench::kCommit[0] == '\0' ? "" : fmt::format(", commit {}", bench::kCommit));
+  html +=
+      "<h2>Where the largest errors are</h2>\n" + map_figure(r, largest) + html_text(largest_table(largest));
+  html += "<p class=\"note\">" + version_text() + "</p>\n";
   return html + "</body></html>\n";
 }
 
-}  // namespace parloc::evaluate
+}  // namespace parloc::tools::evaluate

@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <numbers>
 
-namespace parloc::evaluate {
+namespace parloc::tools::evaluate {
 namespace {
 
 constexpr double kDegrees = 180.0 / std::numbers::pi;
@@ -17,22 +17,22 @@ std::string mean_and_std(double mean_m, double std_m) {
 
 }  // namespace
 
-bench::Lines origin_lines(const RelationsReport& r) {
+Facts origin_facts(const RelationsReport& r) {
   const RelationErrors& e = r.errors;
-  bench::Lines lines{{"trajectory", fmt::format("{}, {} poses", r.trajectory_path, r.trajectory.size())},
-                     {"relations", fmt::format("{}, {} of {} have both poses in the trajectory",
-                                               r.relations_path, e.compared, e.compared + e.without_pose)}};
+  Facts lines{{"trajectory", fmt::format("{}, {} poses", r.trajectory_path, r.trajectory.size())},
+              {"relations", fmt::format("{}, {} of {} have both poses in the trajectory", r.relations_path,
+                                        e.compared, e.compared + e.without_pose)}};
   if (e.repeated_stamps > 0)
-    lines.emplace_back(
-        "warning",
-        fmt::format("{} the stamp of an earlier one, which is the one that counts",
-                    e.repeated_stamps == 1 ? "1 pose has" : fmt::format("{} poses have", e.repeated_stamps)));
+    lines.push_back(
+        {"warning", fmt::format("{} the stamp of an earlier one, which is the one that counts",
+                                e.repeated_stamps == 1 ? "1 pose has"
+                                                       : fmt::format("{} poses have", e.repeated_stamps))});
   return lines;
 }
 
-bench::Table error_table(const RelationsReport& r) {
+Table error_table(const RelationsReport& r) {
   const RelationErrors& e = r.errors;
-  bench::Table table;
+  Table table;
   table.title = "Relation error";
   table.columns = {{"", "", true}, {"", "mean"}, {"", "std"}, {"", "RMSE"}, {"", "median"}, {"", "max"}};
   const auto add = [&](const char* name, int decimals, double unit, const std::vector<double>& values) {
@@ -56,8 +56,8 @@ std::vector<const PublishedLog*> published_beside(const RelationsReport& r) {
   return all;
 }
 
-bench::Table published_table(const RelationsReport& r) {
-  bench::Table table;
+Table published_table(const RelationsReport& r) {
+  Table table;
   table.title = fmt::format("Published translation, mean +- std [m] ({})", kPublishedSource);
   table.columns = {{"", "log", true}};
   if (r.log != nullptr) table.columns.push_back({"", "this trajectory"});
@@ -81,4 +81,4 @@ std::vector<RelationError> largest_errors(const RelationErrors& errors) {
   return largest;
 }
 
-}  // namespace parloc::evaluate
+}  // namespace parloc::tools::evaluate

@@ -7,7 +7,7 @@
 
 #include "tools/program/run_items.h"
 
-namespace parloc::evaluate {
+namespace parloc::tools::evaluate {
 
 std::vector<TrialResult> run_trials(const TrialsRequest& request, const TrialSource& source,
                                     const GridMap& map) {
@@ -24,7 +24,7 @@ std::vector<TrialResult> run_trials(const TrialsRequest& request, const TrialSou
     for (const std::atomic<double>& fraction : fractions) done += fraction;
     request.progress(done / static_cast<double>(request.trials), finished);
   };
-  const auto make_worker = [&](std::size_t thread, const bench::KeepGoing& keep_going) -> bench::Worker {
+  const auto make_worker = [&](std::size_t thread, const KeepGoing& keep_going) -> Worker {
     const auto localizer = std::make_shared<Localizer>(config, map);
     return [&, thread, localizer](std::size_t k) {
       const std::uint64_t seed = request.first_seed + k;
@@ -37,11 +37,11 @@ std::vector<TrialResult> run_trials(const TrialsRequest& request, const TrialSou
       if (results[k]) ++finished;
     };
   };
-  bench::run_items({request.trials, request.jobs, request.stop, tell}, make_worker);
+  run_items({request.trials, request.jobs, request.stop, tell}, make_worker);
   std::vector<TrialResult> all;
   for (std::optional<TrialResult>& result : results)
     if (result) all.push_back(std::move(*result));
   return all;
 }
 
-}  // namespace parloc::evaluate
+}  // namespace parloc::tools::evaluate

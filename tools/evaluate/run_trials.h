@@ -11,7 +11,7 @@
 #include "common/localize/localizer.h"
 #include "tools/evaluate/trial_source.h"
 
-namespace parloc::evaluate {
+namespace parloc::tools::evaluate {
 
 struct TrialsRequest {
   TrialPlan plan;
@@ -29,4 +29,4 @@ struct TrialsRequest {
 std::vector<TrialResult> run_trials(const TrialsRequest& request, const TrialSource& source,
                                     const GridMap& map);
 
-}  // namespace parloc::evaluate
+}  // namespace parloc::tools::evaluate

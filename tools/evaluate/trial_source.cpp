@@ -11,7 +11,7 @@
 #include "common/eval/wander.h"
 #include "common/io/log.h"
 
-namespace parloc::evaluate {
+namespace parloc::tools::evaluate {
 namespace {
 
 constexpr double kClearance_m = 0.3;  // of the drives from walls
@@ -97,4 +97,4 @@ std::unique_ptr<TrialSource> recorded_trials(const RecordedPlan& plan) {
   return std::make_unique<RecordedTrials>(plan);
 }
 
-}  // namespace parloc::evaluate
+}  // namespace parloc::tools::evaluate

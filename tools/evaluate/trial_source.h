@@ -10,7 +10,7 @@
 #include "common/eval/trial.h"
 #include "common/map/grid_map.h"
 
-namespace parloc::evaluate {
+namespace parloc::tools::evaluate {
 
 class TrialSource {
  public:
@@ -35,4 +35,4 @@ struct RecordedPlan {
 /// for a truth of another time.
 std::unique_ptr<TrialSource> recorded_trials(const RecordedPlan& plan);
 
-}  // namespace parloc::evaluate
+}  // namespace parloc::tools::evaluate

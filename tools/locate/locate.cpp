@@ -8,6 +8,7 @@
 #include <cstdio>
 #include <memory>
 #include <nlohmann/json.hpp>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -19,8 +20,9 @@
 #include "common/model/beams.h"
 #include "common/model/lidar.h"
 #include "common/search/global_search.h"
-#include "tools/map/load_map.h"
+#include "tools/program/choice_option.h"
 #include "tools/program/commands.h"
+#include "tools/program/load_map.h"
 #include "tools/program/output_folder.h"
 #include "tools/program/parse_number.h"
 #include "tools/program/search_prior.h"
@@ -37,7 +39,8 @@ double seconds_since(Clock::time_point t) {
 
 /// The command line; what was not given is empty.
 struct LocateOptions {
-  std::string map, log, at, number, scan, config, top, near, heading, out, backend, device, threads, beams;
+  std::string map, log, at, number, scan, config, top, near, heading, out, device, threads, beams;
+  std::optional<BackendChoice> backend;
   bool json = false;
 };
 
@@ -52,7 +55,7 @@ void declare(CLI::App& app, LocateOptions& o) {
   add_text_option(app, "--heading", o.heading, "A,T", "Only headings from A - T to A + T [rad]");
   add_text_option(app, "--top", o.top, "K", "Print at most K places (10)");
   add_text_option(app, "--out", o.out, "DIR", "Write hypotheses.json and picture.png there");
-  add_text_option(app, "--backend", o.backend, "WHICH", "auto, cpu or cuda");
+  add_choice_option(app, "--backend", o.backend, kBackends, "WHICH", "auto, cpu or cuda");
   add_text_option(app, "--device", o.device, "D", "CUDA device, as parloc devices lists them");
   add_text_option(app, "--threads", o.threads, "K", "CPU threads; 0: all cores");
   add_text_option(app, "--beams", o.beams, "B", "Beams used of the scan, 1 to 4096");
@@ -62,15 +65,9 @@ void declare(CLI::App& app, LocateOptions& o) {
       "docs/locate.md");
 }
 
-BackendChoice backend_choice(const std::string& name) {
-  for (const auto& choice : kBackends)
-    if (name == choice.name) return choice.value;
-  throw Error(ErrorKind::usage, fmt::format("--backend: expected auto, cpu or cuda, got '{}'", name));
-}
-
 Config effective_config(const LocateOptions& o) {
   Config config = o.config.empty() ? Config{} : read_config(o.config);
-  if (!o.backend.empty()) config.backend = backend_choice(o.backend);
+  if (o.backend) config.backend = *o.backend;
   if (!o.device.empty()) config.device = parse_whole_number<int>("--device", o.device);
   if (!o.threads.empty()) config.threads = parse_whole_number<int>("--threads", o.threads);
   if (!o.beams.empty()) {

@@ -14,7 +14,7 @@
 #include "common/map/rasterise.h"
 #include "common/map/segment_map.h"
 #include "common/map/trace_walls.h"
-#include "tools/map/load_map.h"
+#include "tools/program/load_map.h"
 #include "tools/program/parse_number.h"
 #include "tools/report/map_picture.h"
 

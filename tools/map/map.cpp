@@ -14,8 +14,8 @@
 #include "common/map/grid_map.h"
 #include "common/map/segment_map.h"
 #include "tools/map/convert_map.h"
-#include "tools/map/load_map.h"
 #include "tools/program/commands.h"
+#include "tools/program/load_map.h"
 #include "tools/program/text_option.h"
 #include "tools/report/map_picture.h"
 

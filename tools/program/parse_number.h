@@ -13,31 +13,24 @@
 
 namespace parloc::tools {
 
-/// Throws Error{usage} naming `option`.
+/// A whole number from `low` to `high`. Throws Error{usage} naming `option`.
 template <class Integer>
-Integer parse_whole_number(const char* option, const std::string& text) {
+Integer parse_whole_number(const char* option, const std::string& text,
+                           Integer low = std::numeric_limits<Integer>::min(),
+                           Integer high = std::numeric_limits<Integer>::max()) {
   Integer value{};
-  const auto [end, status] = std::from_chars(text.data(), text.data() + text.size(), value);
-  if (status != std::errc() || end != text.data() + text.size()) {
-    throw Error(ErrorKind::usage,
-                fmt::format("{}: expected a whole number from {} to {}, got '{}'", option,
-                            std::numeric_limits<Integer>::min(), std::numeric_limits<Integer>::max(), text));
-  }
-  return value;
-}
-
-/// A whole number from `low` to `high`; `otherwise` if the text is empty. Throws Error{usage} naming
-/// `option`.
-inline std::uint64_t whole_within(const char* option, const std::string& text, std::uint64_t low,
-                                  std::uint64_t high, std::uint64_t otherwise) {
-  if (text.empty()) return otherwise;
-  std::uint64_t value{};
   const auto [end, status] = std::from_chars(text.data(), text.data() + text.size(), value);
   if (status != std::errc() || end != text.data() + text.size() || value < low || value > high) {
     throw Error(ErrorKind::usage,
                 fmt::format("{}: expected a whole number from {} to {}, got '{}'", option, low, high, text));
   }
   return value;
+}
+
+/// The same; `otherwise` if the text is empty.
+inline std::uint64_t whole_within(const char* option, const std::string& text, std::uint64_t low,
+                                  std::uint64_t high, std::uint64_t otherwise) {
+  return text.empty() ? otherwise : parse_whole_number(option, text, low, high);
 }
 
 /// A number from `low` to `high`. Throws Error{usage} naming `option`.

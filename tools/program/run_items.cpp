@@ -7,7 +7,7 @@
 #include <thread>
 #include <vector>
 
-namespace parloc::bench {
+namespace parloc::tools {
 
 void run_items(const ItemsRequest& request,
                const std::function<Worker(std::size_t, const KeepGoing&)>& make_worker) {
@@ -39,4 +39,4 @@ void run_items(const ItemsRequest& request,
   if (error) std::rethrow_exception(error);
 }
 
-}  // namespace parloc::bench
+}  // namespace parloc::tools

@@ -4,7 +4,7 @@
 #include <cstddef>
 #include <functional>
 
-namespace parloc::bench {
+namespace parloc::tools {
 
 struct ItemsRequest {
   std::size_t items = 0;
@@ -23,4 +23,4 @@ using Worker = std::function<void(std::size_t item)>;
 void run_items(const ItemsRequest& request,
                const std::function<Worker(std::size_t thread, const KeepGoing& keep_going)>& make_worker);
 
-}  // namespace parloc::bench
+}  // namespace parloc::tools

@@ -3,6 +3,7 @@
 
 #include <CLI/CLI.hpp>
 #include <string>
+#include <vector>
 
 namespace parloc::tools {
 
@@ -18,6 +19,11 @@ CLI::Option* add_text_option(CLI::App& app, const std::string& name, Text& targe
       },
       "");
   return app.add_option(name, target, help)->type_name(value_name)->check(not_empty);
+}
+
+/// Refuses words other than these, which the message names; the help does not repeat them.
+inline CLI::Validator one_of(const std::vector<std::string>& words) {
+  return CLI::Validator(CLI::IsMember(words)).description("");
 }
 
 }  // namespace parloc::tools

@@ -1,8 +1,5 @@
 #include "tools/report/config_facts.h"
 
-#include <fmt/format.h>
-
-#include <numbers>
 #include <utility>
 #include <vector>
 
@@ -13,13 +10,26 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-constexpr double kDegrees = 180.0 / std::numbers::pi;
+/// Sets `json` to a value, unless it is missing.
+struct Put {
+  Json& json;
+  const std::string& key;
+
+  template <class Number>
+  void operator()(const NumberSetting<Number>& number) const {
+    (*this)(number.slot);
+  }
+  template <class Value>
+  void operator()(const Slot<Value>& slot) const {
+    if (const Value* value = slot.get()) json[key] = *value;
+  }
+  void operator()(const ChoiceSetting& choice) const {
+    if (const char* name = choice.name()) json[key] = name;
+  }
+};
 
 void put(Json& json, const Setting& setting) {
-  if (const auto text = value_text(setting)) {
-    const bool is_text = std::holds_alternative<ChoiceSetting>(setting.value);
-    json[setting.key] = is_text ? Json(*text) : Json::parse(*text);
-  }
+  std::visit(Put{json, setting.key}, setting.value);
 }
 
 /// "group.key" and value for every leaf.
@@ -52,30 +62,6 @@ FactTable config_facts(const Config& config) {
   FactTable table{"Configuration", {}};
   add_leaves("", config_json(config), table.facts);
   return table;
-}
-
-Json relations_json(const std::optional<RelationErrors>& errors) {
-  if (!errors) return nullptr;
-  const bool known = errors->compared > 0;
-  const auto value = [&](double v) { return known ? Json(v) : Json(nullptr); };
-  return {{"compared", errors->compared},
-          {"without_pose", errors->without_pose},
-          {"translation_mean_m", value(errors->translation_mean_m)},
-          {"translation_std_m", value(errors->translation_std_m)},
-          {"translation_rmse_m", value(errors->translation_rmse_m)},
-          {"translation_median_m", value(errors->translation_median_m)},
-          {"translation_max_m", value(errors->translation_max_m)},
-          {"rotation_mean_rad", value(errors->rotation_mean_rad)},
-          {"rotation_std_rad", value(errors->rotation_std_rad)},
-          {"rotation_rmse_rad", value(errors->rotation_rmse_rad)},
-          {"rotation_median_rad", value(errors->rotation_median_rad)},
-          {"rotation_max_rad", value(errors->rotation_max_rad)}};
-}
-
-std::string relations_text(const RelationErrors& e) {
-  return fmt::format("{:.3f} +- {:.3f} m, {:.2f} +- {:.2f} degrees, from {}", e.translation_mean_m,
-                     e.translation_std_m, e.rotation_mean_rad * kDegrees, e.rotation_std_rad * kDegrees,
-                     e.compared);
 }
 
 }  // namespace parloc::tools

@@ -1,13 +1,10 @@
-// What the results of several commands have in common.
+// The configuration, for results.
 #pragma once
 
 #include <nlohmann/json.hpp>
-#include <optional>
-#include <string>
 
 #include "common/config/config.h"
-#include "common/eval/metrics.h"
-#include "tools/report/report.h"
+#include "tools/report/text/facts.h"
 
 namespace parloc::tools {
 
@@ -15,9 +12,5 @@ namespace parloc::tools {
 nlohmann::ordered_json config_json(const Config& config);
 /// The same for people: "group.key" and value.
 FactTable config_facts(const Config& config);
-
-/// null without relations; values are null where no relation could be compared.
-nlohmann::ordered_json relations_json(const std::optional<RelationErrors>& errors);
-std::string relations_text(const RelationErrors& errors);
 
 }  // namespace parloc::tools

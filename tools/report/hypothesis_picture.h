@@ -8,7 +8,7 @@
 #include "common/map/grid_map.h"
 #include "common/search/global_search.h"
 
-namespace parloc {
+namespace parloc::tools {
 
 /// One PNG: every hypothesis as a numbered disc with its heading, the first ones in strong colours as long as
 /// they are as good as the first; where the scan's beams end (`ends`, base frame) if it was taken at the
@@ -16,4 +16,4 @@ namespace parloc {
 void write_hypothesis_picture(const std::string& path, const GridMap& map,
                               const std::vector<Hypothesis>& hypotheses, const std::vector<EndPoint>& ends);
 
-}  // namespace parloc
+}  // namespace parloc::tools

@@ -8,7 +8,7 @@
 
 #include "common/error.h"
 #include "common/file/output_file.h"
-#include "tools/report/html_text.h"
+#include "tools/report/text/html_text.h"
 
 namespace parloc::tools {
 namespace {

@@ -2,10 +2,10 @@
 #pragma once
 
 #include "common/map/grid_map.h"
-#include "tools/report/canvas.h"
 #include "tools/report/map_view.h"
+#include "tools/report/pictures/canvas.h"
 
-namespace parloc {
+namespace parloc::tools {
 
 /// The cells, occupied ones in `occupied`. The canvas has the size of the view.
 void draw_cells(Canvas& canvas, const GridMap& map, const MapView& view, Rgba occupied);
@@ -13,4 +13,4 @@ void draw_cells(Canvas& canvas, const GridMap& map, const MapView& view, Rgba oc
 /// In the lower left corner of the map, on a pale plate so that it can be read on walls.
 void draw_scale_bar(Canvas& canvas, const MapView& view);
 
-}  // namespace parloc
+}  // namespace parloc::tools

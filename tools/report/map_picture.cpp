@@ -1,17 +1,13 @@
 #include "tools/report/map_picture.h"
 
-#include <optional>
-
-#include "common/error.h"
 #include "common/file/output_file.h"
-#include "tools/report/canvas.h"
 #include "tools/report/map_drawing.h"
 #include "tools/report/map_view.h"
-#include "tools/report/picture_style.h"
-#include "tools/report/png_writer.h"
+#include "tools/report/pictures/canvas.h"
+#include "tools/report/pictures/picture_style.h"
 #include "tools/report/report.h"
 
-namespace parloc {
+namespace parloc::tools {
 namespace {
 
 constexpr std::int32_t least_px = 1100, most_px = 2000;
@@ -26,10 +22,10 @@ void draw_walls(Canvas& canvas, const GridMap& map, const MapView& view) {
   const bool with_ends = map.walls.size() <= most_ends;
   for (const Segment& wall : map.walls) {
     const Pixel a = pixel(wall.ax, wall.ay), b = pixel(wall.bx, wall.by);
-    canvas.line(a.x, a.y, b.x, b.y, 2.5, estimate_colour);
+    canvas.line({a, b}, 2.5, estimate_colour);
     if (!with_ends) continue;
-    canvas.disc(a.x, a.y, 3.5, truth_colour);
-    canvas.disc(b.x, b.y, 3.5, truth_colour);
+    canvas.disc(a, 3.5, truth_colour);
+    canvas.disc(b, 3.5, truth_colour);
   }
 }
 
@@ -38,13 +34,12 @@ void draw_walls(Canvas& canvas, const GridMap& map, const MapView& view) {
 void write_map_picture(const std::string& path, const GridMap& map) {
   RunReport report;
   report.map = &map;
-  const std::optional<MapView> view = fit_view(report, least_px, most_px);
-  if (!view) throw Error(ErrorKind::output, path + ": cannot be written: the map has nothing to show");
-  Canvas canvas(view->width_px, view->height_px, white);
-  draw_cells(canvas, map, *view, map.walls.empty() ? ink : pale_ink);
-  draw_walls(canvas, map, *view);
-  draw_scale_bar(canvas, *view);
-  replace_file(path, encode_png_rgb(view->width_px, view->height_px, canvas.pixels()));
+  const MapView view = view_to_write(path, report, least_px, most_px);
+  Canvas canvas(view.width_px, view.height_px);
+  draw_cells(canvas, map, view, map.walls.empty() ? ink : pale_ink);
+  draw_walls(canvas, map, view);
+  draw_scale_bar(canvas, view);
+  replace_file(path, canvas.png());
 }
 
-}  // namespace parloc
+}  // namespace parloc::tools

@@ -7,7 +7,7 @@
 
 #include "common/error.h"
 
-namespace parloc {
+namespace parloc::tools {
 namespace {
 
 /// An axis-parallel box in the grid's frame [m]; empty when low > high.
@@ -152,6 +152,13 @@ std::optional<MapView> fit_view(const RunReport& report, std::int32_t least_px, 
   return view;
 }
 
+MapView view_to_write(const std::string& path, const RunReport& report, std::int32_t least_px,
+                      std::int32_t most_px) {
+  const std::optional<MapView> view = fit_view(report, least_px, most_px);
+  if (!view) throw Error(ErrorKind::output, path + ": cannot be written: neither a map nor a path to show");
+  return *view;
+}
+
 std::vector<Cell> raster(const GridMap& map, const MapView& view) {
   struct Count {
     std::uint32_t occupied = 0, free = 0, unknown = 0;  // per pixel at most the cells of one map: below 2^30
@@ -194,4 +201,4 @@ double scale_bar_m(const MapView& view) {
   return 2 * decade <= limit_m ? 2 * decade : decade;
 }
 
-}  // namespace parloc
+}  // namespace parloc::tools

@@ -3,17 +3,14 @@
 
 #include <cstdint>
 #include <optional>
+#include <string>
 #include <vector>
 
 #include "common/map/grid_map.h"
+#include "tools/report/pictures/pixel.h"
 #include "tools/report/report.h"
 
-namespace parloc {
-
-struct Pixel {
-  double x = 0.0;  ///< Right, 0 at the left edge.
-  double y = 0.0;  ///< Down, 0 at the top edge.
-};
+namespace parloc::tools {
 
 /// A window of a grid as an image: pixels are `down` cells wide, or 1 / `up` cells (one of the two is 1).
 /// The image stands upright in the grid's frame; without a map, in the map frame on a grid made up for it.
@@ -37,6 +34,10 @@ struct MapView {
 /// disagree.
 std::optional<MapView> fit_view(const RunReport& report, std::int32_t least_px, std::int32_t most_px);
 
+/// Throws Error{output} naming `path`, what is to be written, if there is nothing to show.
+MapView view_to_write(const std::string& path, const RunReport& report, std::int32_t least_px,
+                      std::int32_t most_px);
+
 /// The cells in the window, one per pixel, row 0 at the top. An occupied cell wins over all others in its
 /// pixel, else the more frequent of free and unknown.
 std::vector<Cell> raster(const GridMap& map, const MapView& view);
@@ -47,4 +48,4 @@ double scale_bar_m(const MapView& view);
 /// Whether a pose can be drawn: finite and within 10,000 km.
 bool drawable_point(double x_m, double y_m);
 
-}  // namespace parloc
+}  // namespace parloc::tools

@@ -7,16 +7,17 @@
 #include <numbers>
 
 #include "common/file/output_file.h"
-#include "tools/report/html_text.h"
+#include "common/math/quantile.h"
+#include "tools/report/plots/axis.h"
 #include "tools/report/report_sections.h"
-#include "tools/report/svg_plot.h"
+#include "tools/report/text/html_text.h"
 
-namespace parloc {
+namespace parloc::tools {
 namespace {
 
 constexpr double degrees_per_rad = 180.0 / std::numbers::pi;
 
-TimeAxis report_axis(const RunReport& report) {
+Axis report_axis(const RunReport& report) {
   std::vector<double> stamps;
   for (const StampedPose& p : report.estimate) stamps.push_back(p.stamp_s);
   for (const StepRecord& s : report.steps) stamps.push_back(s.stamp_s);
@@ -43,8 +44,8 @@ std::string degrees_text(double angle_rad) {
   return number_text(angle_rad * degrees_per_rad, 2) + "\xC2\xB0";
 }
 
-std::vector<Fact> route_facts(const RunReport& report) {
-  std::vector<Fact> facts;
+Facts route_facts(const RunReport& report) {
+  Facts facts;
   if (!report.estimate.empty()) {
     const auto& first = report.estimate.front();
     const auto& last = report.estimate.back();
@@ -62,8 +63,8 @@ std::vector<Fact> route_facts(const RunReport& report) {
   return facts;
 }
 
-std::vector<Fact> error_facts(const TrackErrors& e) {
-  std::vector<Fact> facts;
+Facts error_facts(const TrackErrors& e) {
+  Facts facts;
   facts.push_back(
       {"Position error", fmt::format("mean {}, RMSE {}, 95% {}, max {}", distance_text(e.position_mae_m),
                                      distance_text(e.position_rmse_m), distance_text(e.position_p95_m),
@@ -77,33 +78,26 @@ std::vector<Fact> error_facts(const TrackErrors& e) {
   return facts;
 }
 
-std::vector<Fact> step_facts(const std::vector<StepRecord>& steps) {
+Facts step_facts(const std::vector<StepRecord>& steps) {
   std::vector<double> times;
   std::size_t resampled = 0, lost = 0;
   for (const StepRecord& s : steps) {
-    times.push_back(s.step_ms);
+    if (drawable(s.step_ms)) times.push_back(s.step_ms);
     resampled += s.resampled ? 1 : 0;
     lost += s.lost ? 1 : 0;
   }
-  std::vector<Fact> facts;
-  if (drawable(percentile(times, 1.0))) {
+  Facts facts;
+  const std::vector<double> sorted = ascending(std::move(times));
+  if (!sorted.empty()) {
     facts.push_back(
         {"Time per step",
-         fmt::format("median {} ms, 99% {} ms, max {} ms", number_text(percentile(times, 0.5), 3),
-                     number_text(percentile(times, 0.99), 3), number_text(percentile(times, 1.0), 3))});
+         fmt::format("median {} ms, 99% {} ms, max {} ms", number_text(nearest_rank(sorted, 50), 3),
+                     number_text(nearest_rank(sorted, 99), 3), number_text(sorted.back(), 3))});
   }
   std::string text = fmt::format("{}, resampled in {}", steps.size(), resampled);
   if (lost > 0) text += fmt::format(", no particle fitted in {}", lost);
   facts.push_back({"Steps", text});
   return facts;
-}
-
-std::string table(const std::vector<Fact>& facts, const std::string& classes) {
-  std::string html = "<table class=\"" + classes + "\">";
-  for (const Fact& fact : facts) {
-    html += "<tr><th>" + escape_html(fact.key) + "</th><td>" + escape_html(fact.value) + "</td></tr>\n";
-  }
-  return html + "</table>\n";
 }
 
 std::string warning_list(const std::vector<std::string>& warnings) {
@@ -117,19 +111,19 @@ std::string detail_tables(const std::vector<FactTable>& tables) {
   if (tables.empty()) return "";
   std::string html = "<div class=\"tables\">";
   for (const FactTable& t : tables) {
-    html += "<section><h2>" + escape_html(t.title) + "</h2>" + table(t.facts, "facts") + "</section>\n";
+    html += "<section><h2>" + escape_html(t.title) + "</h2>" + facts_table(t.facts, "facts") + "</section>\n";
   }
   return html + "</div>\n";
 }
 
 std::string page(const RunReport& report) {
-  const TimeAxis axis = report_axis(report);
+  const Axis axis = report_axis(report);
   const std::string title = escape_html(report.title);
   std::string html =
       "<!DOCTYPE html>\n<html lang=\"en\"><head><meta charset=\"utf-8\"/>"
       "<meta name=\"viewport\" content=\"width=device-width, initial-scale=1\"/>\n<title>parloc: " +
       title + "</title>\n<style>" + report_style() + "</style></head>\n<body>\n<h1>" + title + "</h1>\n";
-  html += table(summary_facts(report), "summary");
+  html += facts_table(summary_facts(report), "summary");
   html += warning_list(report.warnings);
   html += map_figures(report, axis);
   html += plot_figures(report, axis);
@@ -152,17 +146,6 @@ std::vector<std::size_t> evenly_spaced(std::size_t count, std::size_t most) {
   return indices;
 }
 
-double percentile(std::vector<double> values, double share) {
-  values.erase(std::remove_if(values.begin(), values.end(), [](double v) { return !drawable(v); }),
-               values.end());
-  if (values.empty()) return std::nan("");
-  const auto rank = static_cast<std::size_t>(std::ceil(share * static_cast<double>(values.size())));
-  const auto at =
-      values.begin() + static_cast<std::ptrdiff_t>(std::clamp<std::size_t>(rank, 1, values.size()) - 1);
-  std::nth_element(values.begin(), at, values.end());
-  return *at;
-}
-
 const StampedPose* nearest_pose(const Trajectory& trajectory, double stamp_s) {
   const StampedPose* best = nullptr;
   for (const StampedPose& p : trajectory) {
@@ -171,11 +154,9 @@ const StampedPose* nearest_pose(const Trajectory& trajectory, double stamp_s) {
   return best;
 }
 
-std::vector<Fact> summary_facts(const RunReport& report) {
-  std::vector<Fact> facts = report.summary;
-  const auto append = [&](const std::vector<Fact>& more) {
-    facts.insert(facts.end(), more.begin(), more.end());
-  };
+Facts summary_facts(const RunReport& report) {
+  Facts facts = report.summary;
+  const auto append = [&](const Facts& more) { facts.insert(facts.end(), more.begin(), more.end()); };
   append(route_facts(report));
   if (report.errors) append(error_facts(*report.errors));
   if (!report.steps.empty()) append(step_facts(report.steps));
@@ -186,4 +167,4 @@ void write_report(const std::string& path, const RunReport& report) {
   replace_file(path, page(report));
 }
 
-}  // namespace parloc
+}  // namespace parloc::tools

@@ -12,9 +12,10 @@
 #include "common/localize/health.h"
 #include "common/map/grid_map.h"
 #include "common/math/pose.h"
-#include "tools/report/svg_plot.h"
+#include "tools/report/plots/plot.h"
+#include "tools/report/text/facts.h"
 
-namespace parloc {
+namespace parloc::tools {
 
 /// The filter at one moment. All in the map frame.
 struct Snapshot {
@@ -44,32 +45,20 @@ struct StepRecord {
   bool searched = false;           ///< The map was searched at this step.
 };
 
-/// A line of one of the report's tables. Both are plain text: the writer escapes them.
-struct Fact {
-  std::string key;
-  std::string value;
-};
-
 /// A map at one moment of its making.
 struct MapMoment {
-  Snapshot state;           ///< When it was, and where the robot and the particles were.
-  GridMap map;              ///< As it was then; the grid's heading is that of the report's map.
-  Trajectory path;          ///< The way there, as it was believed then.
-  std::vector<Fact> facts;  ///< What there is to say.
-};
-
-/// A titled table of facts: configuration, beams used and rejected, map, digest.
-struct FactTable {
-  std::string title;
-  std::vector<Fact> facts;
+  Snapshot state;   ///< When it was, and where the robot and the particles were.
+  GridMap map;      ///< As it was then; the grid's heading is that of the report's map.
+  Trajectory path;  ///< The way there, as it was believed then.
+  Facts facts;      ///< What there is to say.
 };
 
 /// Everything a report can show. What is empty (or NaN, or null) is left out; only `title` is needed.
 struct RunReport {
-  std::string title;          ///< "log.gz on map.yaml"
-  std::string command_line;   ///< As typed, for repeating the run.
-  std::vector<Fact> summary;  ///< First rows of the first table; the writer adds poses, duration, distance,
-                              ///< errors and step times from the data below.
+  std::string title;         ///< "log.gz on map.yaml"
+  std::string command_line;  ///< As typed, for repeating the run.
+  Facts summary;             ///< First rows of the first table; the writer adds poses, duration, distance,
+                             ///< errors and step times from the data below.
   std::vector<FactTable> details;     ///< Further tables, at the end.
   std::vector<std::string> warnings;  ///< What was worked around, one line each.
 
@@ -112,4 +101,4 @@ void write_live_picture(const std::string& path, const RunReport& report, const 
 /// the particles. Throws Error{output} likewise; a report without errors gives Error{output} as well.
 void write_error_picture(const std::string& path, const RunReport& report);
 
-}  // namespace parloc
+}  // namespace parloc::tools

@@ -4,12 +4,12 @@
 #include <algorithm>
 #include <cmath>
 
-#include "tools/report/html_text.h"
 #include "tools/report/map_view.h"
 #include "tools/report/report_marks.h"
 #include "tools/report/report_sections.h"
+#include "tools/report/text/html_text.h"
 
-namespace parloc {
+namespace parloc::tools {
 namespace {
 
 constexpr std::size_t most_moments = 24;
@@ -49,7 +49,7 @@ std::string image(const GridMap& map, const MapView& view) {
       window.height_px * scale, map_data_uri(map, window));
 }
 
-std::string layer(const MapMoment& moment, const MapView& view, const TimeAxis& axis, std::size_t index,
+std::string layer(const MapMoment& moment, const MapView& view, const Axis& axis, std::size_t index,
                   bool shown) {
   const Snapshot& state = moment.state;
   const double at =
@@ -62,7 +62,7 @@ std::string layer(const MapMoment& moment, const MapView& view, const TimeAxis& 
          arrow(state.pose, view, 0.04 * std::max(view.width_px, view.height_px)) + "</g>";
 }
 
-std::string told(const MapMoment& moment, const TimeAxis& axis, bool shown) {
+std::string told(const MapMoment& moment, const Axis& axis, bool shown) {
   std::string html = shown ? "<dl class=\"told\">" : "<dl class=\"told\" style=\"display:none\">";
   const auto add = [&](const std::string& key, const std::string& value) {
     html += "<div><dt>" + escape_html(key) + "</dt><dd>" + escape_html(value) + "</dd></div>";
@@ -73,7 +73,7 @@ std::string told(const MapMoment& moment, const TimeAxis& axis, bool shown) {
 }
 
 /// Small, for choosing and for those without scripts.
-std::string frame(const MapMoment& moment, const MapView& view, const TimeAxis& axis, std::size_t index) {
+std::string frame(const MapMoment& moment, const MapView& view, const Axis& axis, std::size_t index) {
   const std::string when = time_text(axis, moment.state.stamp_s);
   return fmt::format(
       "<figure><svg viewBox=\"0 0 {} {}\" role=\"img\" aria-label=\"The map at {}\"><use "
@@ -83,18 +83,16 @@ std::string frame(const MapMoment& moment, const MapView& view, const TimeAxis& 
 
 }  // namespace
 
-std::string growth_figures(const RunReport& report, const MapView& view, const TimeAxis& axis) {
+std::string growth_figures(const RunReport& report, const MapView& view, const Axis& axis) {
   const std::vector<std::size_t> moments = evenly_spaced(report.growth.size(), most_moments);
   if (moments.empty()) return "";
-  std::string html = fmt::format(
-      "<h2>How the map grew</h2>\n<figure><figcaption><b>The map of the most likely particle</b><span "
-      "class=\"key\"><i class=\"line c1\"></i>its way</span><span class=\"key\"><i class=\"dot "
-      "c4\"></i>particles</span></figcaption>\n<div class=\"map\" style=\"max-width:{:.1f}vh\"><svg "
-      "viewBox=\"0 0 {} {}\" role=\"img\" aria-label=\"The map while it grew\">",
-      75.0 * view.width_px / view.height_px, view.width_px, view.height_px);
+  std::string drawing;
   for (std::size_t k = 0; k < moments.size(); ++k)
-    html += layer(report.growth[moments[k]], view, axis, k, k + 1 == moments.size());
-  html += "</svg>" + scale_bar(view) + "</div></figure>\n";
+    drawing += layer(report.growth[moments[k]], view, axis, k, k + 1 == moments.size());
+  std::string html =
+      "<h2>How the map grew</h2>\n<figure><figcaption><b>The map of the most likely particle</b>" +
+      legend_key("line c1", "its way") + legend_key("dot c4", "particles") + "</figcaption>\n" +
+      map_frame(view, "The map while it grew", drawing, 75.0) + "</figure>\n";
   html += fmt::format(
       "<div class=\"moment scripted\" hidden><button id=\"play\" type=\"button\">Play</button><label "
       "for=\"grow\">The map at</label><input type=\"range\" id=\"grow\" min=\"0\" max=\"{}\" "
@@ -110,4 +108,4 @@ std::string growth_figures(const RunReport& report, const MapView& view, const T
              : html + "<p class=\"note\">" + escape_html(report.growth_note) + "</p>\n";
 }
 
-}  // namespace parloc
+}  // namespace parloc::tools

@@ -4,13 +4,14 @@
 #include <cmath>
 #include <iterator>
 
-#include "tools/report/html_text.h"
+#include "common/math/quantile.h"
 #include "tools/report/map_view.h"
-#include "tools/report/png_writer.h"
+#include "tools/report/pictures/png_writer.h"
 #include "tools/report/report_marks.h"
 #include "tools/report/report_sections.h"
+#include "tools/report/text/html_text.h"
 
-namespace parloc {
+namespace parloc::tools {
 namespace {
 
 constexpr std::int32_t most_map_px = 1600;
@@ -33,8 +34,8 @@ std::string start_and_end(const Trajectory& track, const MapView& view) {
          dot("end c1", track.back().pose, view);
 }
 
-std::string moment_layer(const Snapshot& snapshot, const MapView& view, const TimeAxis& axis,
-                         std::size_t index, bool shown) {
+std::string moment_layer(const Snapshot& snapshot, const MapView& view, const Axis& axis, std::size_t index,
+                         bool shown) {
   const double at =
       drawable(snapshot.stamp_s) ? std::clamp(100 * axis.fraction(snapshot.stamp_s), 0.0, 100.0) : 0.0;
   const double arrow_px = 0.035 * std::max(view.width_px, view.height_px);
@@ -45,22 +46,15 @@ std::string moment_layer(const Snapshot& snapshot, const MapView& view, const Ti
 }
 
 std::string map_legend(const RunReport& report) {
+  const bool scans = std::any_of(report.snapshots.begin(), report.snapshots.end(),
+                                 [](const Snapshot& s) { return !s.scan_points.empty(); });
   std::string html = "<figcaption><b>Map and paths</b>";
-  const auto key = [&](const char* kind, const char* colour, const char* label) {
-    html += fmt::format("<span class=\"key\"><i class=\"{} {}\"></i>{}</span>", kind, colour, label);
-  };
-  if (!report.estimate.empty()) key("line", "c1", "estimate");
-  if (report.truth) key("wide", "c2", "truth");
-  if (!report.odometry.empty()) key("dash", "c3", "odometry alone");
-  if (!report.snapshots.empty()) key("dot", "c4", "particles");
-  if (std::any_of(report.snapshots.begin(), report.snapshots.end(),
-                  [](const Snapshot& s) { return !s.scan_points.empty(); })) {
-    key("dot", "c5", "scan");
-  }
-  if (!report.estimate.empty()) {
-    key("ring", "c1", "start");
-    key("box", "c1", "end");
-  }
+  if (!report.estimate.empty()) html += legend_key("line c1", "estimate");
+  if (report.truth) html += legend_key("wide c2", "truth");
+  if (!report.odometry.empty()) html += legend_key("dash c3", "odometry alone");
+  if (!report.snapshots.empty()) html += legend_key("dot c4", "particles");
+  if (scans) html += legend_key("dot c5", "scan");
+  if (!report.estimate.empty()) html += legend_key("ring c1", "start") + legend_key("box c1", "end");
   return html + "</figcaption>";
 }
 
@@ -71,14 +65,9 @@ std::string trail(std::size_t moments) {
   return html + "</g>";
 }
 
-std::string overview(const RunReport& report, const MapView& view, const TimeAxis& axis,
+std::string overview(const RunReport& report, const MapView& view, const Axis& axis,
                      const std::vector<std::size_t>& moments) {
-  // The width is bounded so that the figure is never higher than the window.
-  std::string html = "<figure>" + map_legend(report) +
-                     fmt::format(
-                         "<div class=\"map\" style=\"max-width:{:.1f}vh\"><svg viewBox=\"0 0 {} {}\" "
-                         "role=\"img\" aria-label=\"Map and paths\">",
-                         85.0 * view.width_px / view.height_px, view.width_px, view.height_px);
+  std::string html;
   if (report.map != nullptr) html += map_image(*report.map, view);
   constexpr PathDetail paths{20000, 0.33};
   if (report.truth) html += svg_path("truth c2", track_path(*report.truth, view, paths));
@@ -89,7 +78,7 @@ std::string overview(const RunReport& report, const MapView& view, const TimeAxi
   for (std::size_t k = 0; k < moments.size(); ++k) {
     html += moment_layer(report.snapshots[moments[k]], view, axis, k, k + 1 == moments.size());
   }
-  return html + "</svg>" + scale_bar(view) + "</div></figure>\n";
+  return "<figure>" + map_legend(report) + map_frame(view, "Map and paths", html) + "</figure>\n";
 }
 
 /// Half the side of a square around the estimate that holds nearly all particles [m].
@@ -99,18 +88,12 @@ double closeup_half_side_m(const Snapshot& snapshot, const MapView& view) {
     const double distance = std::hypot(p.x_m - snapshot.pose.x_m, p.y_m - snapshot.pose.y_m);
     if (std::isfinite(distance)) distances.push_back(distance);
   }
-  double half = 0.0;
-  if (!distances.empty()) {
-    auto at =
-        distances.begin() + static_cast<std::ptrdiff_t>(0.98 * static_cast<double>(distances.size() - 1));
-    std::nth_element(distances.begin(), at, distances.end());
-    half = *at;
-  }
+  const double half = distances.empty() ? 0.0 : nearest_rank(ascending(std::move(distances)), 98);
   return std::min(std::max(1.5 * half, 0.05), 0.5 * std::max(view.width_px, view.height_px) * view.pixel_m());
 }
 
-std::string closeup(const RunReport& report, const Snapshot& snapshot, const MapView& view,
-                    const TimeAxis& axis, std::size_t index) {
+std::string closeup(const RunReport& report, const Snapshot& snapshot, const MapView& view, const Axis& axis,
+                    std::size_t index) {
   const std::string when = time_text(axis, snapshot.stamp_s);
   if (!drawable_point(snapshot.pose.x_m, snapshot.pose.y_m)) {
     return fmt::format("<figure><figcaption>{}; no pose</figcaption></figure>",
@@ -147,10 +130,17 @@ std::string map_image(const GridMap& map, const MapView& view) {
                      view.width_px, view.height_px, map_data_uri(map, view));
 }
 
-std::string scale_bar(const MapView& view) {
+std::string map_frame(const MapView& view, const char* label, const std::string& drawing, double most_vh) {
   const double length_m = scale_bar_m(view);
-  return fmt::format("<div class=\"scale\" style=\"width:{:.3f}%\">{} m</div>",
-                     100 * length_m / (view.width_px * view.pixel_m()), number_text(length_m, 4));
+  return fmt::format(
+      "<div class=\"map\" style=\"max-width:{:.1f}vh\"><svg viewBox=\"0 0 {} {}\" role=\"img\" "
+      "aria-label=\"{}\">{}</svg><div class=\"scale\" style=\"width:{:.3f}%\">{} m</div></div>",
+      most_vh * view.width_px / view.height_px, view.width_px, view.height_px, label, drawing,
+      100 * length_m / (view.width_px * view.pixel_m()), number_text(length_m, 4));
+}
+
+std::string legend_key(const std::string& mark, const std::string& label) {
+  return fmt::format("<span class=\"key\"><i class=\"{}\"></i>{}</span>", mark, label);
 }
 
 const char* invert_filter() {
@@ -161,7 +151,7 @@ const char* invert_filter() {
          "slope=\"-1\" intercept=\"1\"/></feComponentTransfer></filter></svg>";
 }
 
-std::string map_figures(const RunReport& report, const TimeAxis& axis) {
+std::string map_figures(const RunReport& report, const Axis& axis) {
   const std::optional<MapView> fitted = fit_view(report, 1, most_map_px);
   if (!fitted) return "";
   const MapView& view = *fitted;
@@ -182,4 +172,4 @@ std::string map_figures(const RunReport& report, const TimeAxis& axis) {
   return html + "</div>\n";
 }
 
-}  // namespace parloc
+}  // namespace parloc::tools

@@ -5,10 +5,10 @@
 #include <cmath>
 #include <iterator>
 
-#include "tools/report/html_text.h"
 #include "tools/report/report_sections.h"
+#include "tools/report/text/html_text.h"
 
-namespace parloc {
+namespace parloc::tools {
 
 std::string track_path(const Trajectory& track, const MapView& view, const PathDetail& detail) {
   std::string d;
@@ -69,10 +69,10 @@ std::string dot(const std::string& classes, const Pose& pose, const MapView& vie
   return svg_path(classes, fmt::format("M{:.2f} {:.2f}h0", at.x, at.y));
 }
 
-std::string time_text(const TimeAxis& axis, double stamp_s) {
+std::string time_text(const Axis& axis, double stamp_s) {
   return drawable(stamp_s)
-             ? number_text((stamp_s - axis.start_s) / axis.unit_s, axis.unit_s > 1 ? 2 : 1) + " " + axis.unit
+             ? number_text((stamp_s - axis.zero) / axis.unit, axis.unit > 1 ? 2 : 1) + " " + axis.name
              : "unknown time";
 }
 
-}  // namespace parloc
+}  // namespace parloc::tools

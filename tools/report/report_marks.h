@@ -5,10 +5,10 @@
 #include <string>
 
 #include "tools/report/map_view.h"
+#include "tools/report/plots/axis.h"
 #include "tools/report/report.h"
-#include "tools/report/svg_plot.h"
 
-namespace parloc {
+namespace parloc::tools {
 
 /// A <path>; empty without points.
 std::string svg_path(const std::string& classes, const std::string& d);
@@ -27,6 +27,6 @@ std::string arrow(const Pose& pose, const MapView& view, double length_px);
 std::string dot(const std::string& classes, const Pose& pose, const MapView& view);
 
 /// Since the start of the axis, in its unit.
-std::string time_text(const TimeAxis& axis, double stamp_s);
+std::string time_text(const Axis& axis, double stamp_s);
 
-}  // namespace parloc
+}  // namespace parloc::tools

@@ -1,11 +1,15 @@
 #include <algorithm>
+#include <iterator>
 #include <limits>
 #include <numbers>
+#include <utility>
 
-#include "tools/report/html_text.h"
+#include "common/math/quantile.h"
+#include "tools/report/plots/svg_plot.h"
 #include "tools/report/report_sections.h"
+#include "tools/report/text/html_text.h"
 
-namespace parloc {
+namespace parloc::tools {
 namespace {
 
 constexpr double degrees_per_rad = 180.0 / std::numbers::pi;
@@ -33,7 +37,7 @@ std::vector<double> stamps_when(const std::vector<StepRecord>& steps, When when)
 }
 
 Plot position_plot(const TrackErrors& errors) {
-  Plot plot{"Position error", "m", PlotScale::automatic, {}, {}, {}, {}};
+  Plot plot{"Position error", "m", PlotScale::automatic};
   plot.series.push_back({"", "c1", errors.stamp_s, errors.position_error_m});
   plot.levels.push_back(
       {"RMSE " + number_text(errors.position_rmse_m, 3) + " m", "c6", errors.position_rmse_m});
@@ -44,7 +48,7 @@ Plot position_plot(const TrackErrors& errors) {
 Plot error_plot(const std::string& title, const std::string& unit, const TrackErrors& errors,
                 const std::vector<double>& error, const std::vector<StepRecord>& steps,
                 const std::vector<double>& sigma) {
-  Plot plot{title, unit, PlotScale::symmetric, {}, {}, {}, {}};
+  Plot plot{title, unit, PlotScale::symmetric};
   plot.series.push_back({"", "c1", errors.stamp_s, error});
   if (std::any_of(sigma.begin(), sigma.end(), drawable)) {
     plot.bands.push_back(
@@ -58,7 +62,7 @@ Plot error_plot(const std::string& title, const std::string& unit, const TrackEr
 Plot n_eff_plot(const RunReport& report, const std::vector<double>& stamps) {
   // A number that adapts starts at many times what it is later.
   const PlotScale scale = report.adaptive ? PlotScale::automatic : PlotScale::from_zero;
-  Plot plot{"Effective particles", "N_eff", scale, {}, {}, {}, {}};
+  Plot plot{"Effective particles", "N_eff", scale};
   plot.series.push_back(
       {report.adaptive ? "N_eff" : "", "c1", stamps, column(report.steps, [](auto& s) { return s.n_eff; })});
   if (report.adaptive)
@@ -73,7 +77,7 @@ Plot n_eff_plot(const RunReport& report, const std::vector<double>& stamps) {
 
 /// Empty for a run that was not judged.
 Plot health_plot(const RunReport& report, const std::vector<double>& stamps) {
-  Plot plot{"Health", "probability of being right", PlotScale::from_zero, {}, {}, {}, {}};
+  Plot plot{"Health", "probability of being right", PlotScale::from_zero};
   constexpr double unknown = std::numeric_limits<double>::quiet_NaN();
   plot.series.push_back({"", "c1", stamps, column(report.steps, [&](auto& s) {
                            return s.health ? s.health->probability : unknown;
@@ -90,10 +94,12 @@ Plot health_plot(const RunReport& report, const std::vector<double>& stamps) {
 }
 
 Plot time_plot(const RunReport& report, const std::vector<double>& stamps) {
-  Plot plot{"Time per step", "ms", PlotScale::automatic, {}, {}, {}, {}};
+  Plot plot{"Time per step", "ms", PlotScale::automatic};
   const std::vector<double> times = column(report.steps, [](auto& s) { return s.step_ms; });
   plot.series.push_back({"", "c1", stamps, times});
-  const double middle = percentile(times, 0.5);
+  std::vector<double> known;
+  std::copy_if(times.begin(), times.end(), std::back_inserter(known), drawable);
+  const double middle = nearest_rank(ascending(std::move(known)), 50);
   if (drawable(middle)) plot.levels.push_back({"median " + number_text(middle, 3) + " ms", "c6", middle});
   return plot;
 }
@@ -112,7 +118,7 @@ std::vector<Plot> error_plots(const RunReport& report) {
                      report.steps, scaled(sigma(&StepRecord::sigma_theta_rad), degrees_per_rad))};
 }
 
-std::string plot_figures(const RunReport& report, const TimeAxis& axis) {
+std::string plot_figures(const RunReport& report, const Axis& axis) {
   const std::vector<double> stamps = column(report.steps, [](auto& s) { return s.stamp_s; });
   const std::vector<double> sigma_x = column(report.steps, [](auto& s) { return s.sigma_x_m; });
   const std::vector<double> sigma_y = column(report.steps, [](auto& s) { return s.sigma_y_m; });
@@ -128,21 +134,13 @@ std::string plot_figures(const RunReport& report, const TimeAxis& axis) {
   html += render_plot({"Standard deviation of position",
                        "m",
                        PlotScale::automatic,
-                       {{"x", "c1", stamps, sigma_x}, {"y", "c2", stamps, sigma_y}},
-                       {},
-                       {},
-                       {}},
+                       {{"x", "c1", stamps, sigma_x}, {"y", "c2", stamps, sigma_y}}},
                       axis);
-  html += render_plot({"Standard deviation of heading",
-                       "degrees",
-                       PlotScale::automatic,
-                       {{"", "c1", stamps, sigma_theta}},
-                       {},
-                       {},
-                       {}},
-                      axis);
+  html += render_plot(
+      {"Standard deviation of heading", "degrees", PlotScale::automatic, {{"", "c1", stamps, sigma_theta}}},
+      axis);
   html += render_plot(time_plot(report, stamps), axis);
   return html.empty() ? html : "<h2>How it went</h2>\n<div class=\"plots\">" + html + "</div>\n";
 }
 
-}  // namespace parloc
+}  // namespace parloc::tools

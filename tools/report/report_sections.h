@@ -6,10 +6,10 @@
 #include <vector>
 
 #include "tools/report/map_view.h"
+#include "tools/report/plots/axis.h"
 #include "tools/report/report.h"
-#include "tools/report/svg_plot.h"
 
-namespace parloc {
+namespace parloc::tools {
 
 /// The style sheet: light and dark, any width. Classes c1 to c6 are the colours of lines and marks.
 const char* report_style();
@@ -19,11 +19,11 @@ const char* report_script();
 
 /// The map with the paths and, one at a time, the particle clouds; then a close-up of each cloud.
 /// `axis` gives the time of each moment. Empty if there is neither a map nor a path.
-std::string map_figures(const RunReport& report, const TimeAxis& axis);
+std::string map_figures(const RunReport& report, const Axis& axis);
 
 /// A map in the making: one large picture at a time, what was known of it, and all of them small. `view` is
 /// that of the finished map. Empty without such moments.
-std::string growth_figures(const RunReport& report, const MapView& view, const TimeAxis& axis);
+std::string growth_figures(const RunReport& report, const MapView& view, const Axis& axis);
 
 /// The cells under the view as a PNG. Free cells are clear, so that the page's own colour shows.
 std::string map_data_uri(const GridMap& map, const MapView& view);
@@ -32,25 +32,26 @@ std::string map_image(const GridMap& map, const MapView& view);
 /// Once per page with such images: inverts their colours in dark mode. As an SVG filter, because not every
 /// browser applies CSS filter functions inside SVG.
 const char* invert_filter();
-/// A bar with its length, for a lower corner of a <div class="map"> that holds the <svg>.
-std::string scale_bar(const MapView& view);
+/// What is drawn over a map, with a scale bar, in a frame that is never higher than `most_vh` % of the
+/// window.
+std::string map_frame(const MapView& view, const char* label, const std::string& drawing,
+                      double most_vh = 85.0);
+/// An entry of a legend: `mark` is the kind and the colour of its sample.
+std::string legend_key(const std::string& mark, const std::string& label);
 
 /// The plots of errors, N_eff, standard deviations and step time, as far as there are data.
-std::string plot_figures(const RunReport& report, const TimeAxis& axis);
+std::string plot_figures(const RunReport& report, const Axis& axis);
 
 /// The errors in x, y and heading; empty without a truth.
 std::vector<Plot> error_plots(const RunReport& report);
 
 /// The rows of the first table: the caller's, then what follows from the data.
-std::vector<Fact> summary_facts(const RunReport& report);
+Facts summary_facts(const RunReport& report);
 
 /// At most `most` of `count` indices, evenly spaced, with the first and the last.
 std::vector<std::size_t> evenly_spaced(std::size_t count, std::size_t most);
 
-/// Nearest-rank percentile (share 0 to 1) of the values that can be drawn; NaN if there are none.
-double percentile(std::vector<double> values, double share);
-
 /// The pose at the time closest to `stamp_s`; null if the trajectory is empty.
 const StampedPose* nearest_pose(const Trajectory& trajectory, double stamp_s);
 
-}  // namespace parloc
+}  // namespace parloc::tools

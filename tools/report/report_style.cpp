@@ -1,6 +1,6 @@
 #include "tools/report/report_sections.h"
 
-namespace parloc {
+namespace parloc::tools {
 
 // Colours: Okabe and Ito's set for colour-blind readers. Lines differ in width and dashes too.
 const char* report_style() {
@@ -32,7 +32,8 @@ figcaption{font-size:.9rem;margin-bottom:.3rem}
 svg{display:block;width:100%}
 .key{display:inline-block;margin-left:1rem;color:var(--soft);white-space:nowrap}
 .key i{display:inline-block;width:1.3rem;height:.75em;margin-right:.35rem;vertical-align:-.05em}
-.key .line{height:0;border-top:.2rem solid;vertical-align:.25em}
+.key svg{display:inline-block;width:2rem;height:.875rem;margin-right:.35rem;vertical-align:-.1em}
+.key i.line{height:0;border-top:.2rem solid;vertical-align:.25em}
 .key .wide{height:0;border-top:.38rem solid;vertical-align:.2em}
 .key .dash{height:0;border-top:.15rem dashed;vertical-align:.25em}
 .key .area{background:currentColor;opacity:.25}
@@ -83,23 +84,44 @@ output{white-space:nowrap;font-variant-numeric:tabular-nums}
 button{font:inherit;min-width:4.6rem;padding:.15rem .7rem;border:1px solid var(--rule);border-radius:.4rem;
 background:var(--panel);color:var(--text);cursor:pointer}
 [hidden]{display:none!important}
-.plots{display:grid;grid-template-columns:repeat(auto-fit,minmax(min(100%,26rem),1fr));gap:1.3rem 1.6rem}
+.plots,.sizes{display:grid;grid-template-columns:repeat(auto-fit,minmax(min(100%,26rem),1fr));gap:1.3rem 1.6rem}
+.sizes{grid-template-columns:repeat(auto-fit,minmax(min(100%,20rem),1fr))}
 .axes{display:grid;grid-template-columns:3.4rem 1fr;grid-template-rows:9.5rem 1.5rem}
+.sizes .axes{grid-template-rows:15rem 2.6rem;margin-right:.7rem}
 .axes .y,.axes .x,.axes .area{position:relative;font-size:.75rem;color:var(--soft)}
-.axes .y span{position:absolute;right:.4rem;transform:translateY(-50%)}
+.axes .y span{position:absolute;right:.4rem;transform:translateY(-50%);white-space:nowrap}
 .axes .x{grid-column:2}
-.axes .x span{position:absolute;top:.2rem;transform:translateX(-50%)}
-.axes .x span:first-child{transform:none}
+.axes .x span{position:absolute;top:.2rem;transform:translateX(-50%);white-space:nowrap}
+.plots .x span:first-child{transform:none}
 .axes .x em{position:absolute;right:0;top:.2rem;background:var(--page);padding-left:.4rem}
-.axes svg{height:100%;background:var(--panel)}
+.sizes .x em{left:0;top:1.35rem;text-align:center;font-style:normal}
+.area>svg{height:100%;background:var(--panel)}
+.area>.points{position:absolute;inset:0;background:none}
+.points,.points svg{overflow:visible}
+.area>span{position:absolute;left:.4rem}
 .grid{stroke:var(--rule);stroke-width:1px}
-.axes .line{stroke-width:1.5px}
+.line,.key .line{stroke-width:1.5px}
+.sizes path.line{stroke-width:2px}
 .axes .pale{opacity:.45}
+path.dashes{stroke-width:1.5px;stroke-dasharray:5 4}
 .axes path.dash{stroke-width:1.6px;stroke-dasharray:6 4}
 .axes path.tick{stroke-width:1.2px;stroke-linecap:butt}
-.axes path.band{stroke:none;opacity:.2}
-.band.c1{fill:var(--c1)}.band.c2{fill:var(--c2)}.band.c3{fill:var(--c3)}.band.c4{fill:var(--c4)}
-.band.c5{fill:var(--c5)}.band.c6{fill:var(--c6)}
+path.band{stroke:none;opacity:.2}path.full{opacity:.6}
+path.hollow{fill:var(--page);stroke-width:1.4px}
+path.solid{stroke-width:1px}
+.band.c1,.solid.c1{fill:var(--c1)}.band.c2,.solid.c2{fill:var(--c2)}.band.c3,.solid.c3{fill:var(--c3)}
+.band.c4,.solid.c4{fill:var(--c4)}.band.c5,.solid.c5{fill:var(--c5)}.band.c6,.solid.c6{fill:var(--c6)}
+.legend{display:flex;flex-wrap:wrap;gap:.2rem 1.3rem;font-size:.9rem;margin:.6rem 0}
+.legend .key{margin:0;color:var(--text)}
+.wide{overflow-x:auto}
+table.numbers{width:auto;margin:.6rem 0 1.2rem}
+.numbers caption{text-align:left;font-weight:600;padding:.3rem 0}
+.numbers th,.numbers td{width:auto;text-align:right;padding:.15rem 0 .15rem 1.1rem;white-space:nowrap;font-size:.88rem}
+.numbers .left{text-align:left}
+.numbers tr>*:first-child{padding-left:0}
+.numbers .group{text-align:center}
+.numbers .within{font-weight:600}
+summary{cursor:pointer;color:var(--soft);margin:.4rem 0}
 .now{position:absolute;top:0;bottom:0;width:0;border-left:1px solid var(--c4);display:none}
 @media print{.moment{display:none}}
 )css";
@@ -129,4 +151,4 @@ slider.addEventListener('input',stop);all('.frames figure').forEach(e=>e.addEven
 )js";
 }
 
-}  // namespace parloc
+}  // namespace parloc::tools

@@ -11,6 +11,7 @@
 #include "common/config/config.h"
 #include "common/error.h"
 #include "common/io/scan_stream.h"
+#include "common/math/quantile.h"
 #include "common/model/lidar.h"
 #include "tools/run/snapshots.h"
 #include "tools/run/tracker.h"
@@ -222,14 +223,10 @@ ParticleNumbers particle_numbers(const std::vector<StepRecord>& steps) {
 }
 
 StepTimes step_times(const std::vector<StepRecord>& steps) {
-  constexpr double nan = std::numeric_limits<double>::quiet_NaN();
-  if (steps.size() < 2) return {nan, nan};
   std::vector<double> ms;
   for (std::size_t i = 1; i < steps.size(); ++i) ms.push_back(steps[i].step_ms);
-  std::sort(ms.begin(), ms.end());
-  const std::size_t n = ms.size();
-  const double median = n % 2 == 1 ? ms[n / 2] : 0.5 * (ms[n / 2 - 1] + ms[n / 2]);
-  return {median, ms[(99 * n + 99) / 100 - 1]};  // nearest rank: the smallest with 99 % at or below it
+  const std::vector<double> sorted = ascending(std::move(ms));
+  return {median(sorted), nearest_rank(sorted, 99)};
 }
 
 }  // namespace parloc::tools

@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cstdio>
 #include <memory>
+#include <optional>
 #include <string>
 #include <utility>
 #include <vector>
@@ -16,6 +17,7 @@
 #include "common/file/output_file.h"
 #include "common/filter/filter_settings.h"
 #include "common/map/map_reader.h"
+#include "tools/program/choice_option.h"
 #include "tools/program/commands.h"
 #include "tools/program/interrupt.h"
 #include "tools/program/output_folder.h"
@@ -34,9 +36,9 @@ namespace {
 /// The command line; what was not given is empty.
 struct RunOptions {
   std::vector<std::string> init;
-  std::string map, log, truth, relations, config, near, heading, backend, device, particles, beams, seed,
-      threads;
+  std::string map, log, truth, relations, config, near, heading, device, particles, beams, seed, threads;
   std::string out = "parloc_out";
+  std::optional<BackendChoice> backend;
   bool odometry_only = false, strict = false, json = false, quiet = false;
 };
 
@@ -51,8 +53,8 @@ void declare(CLI::App& app, RunOptions& o) {
   add_text_option(app, "--near", o.near, "X,Y,R", "--init global within R of (X, Y) [m] only");
   add_text_option(app, "--heading", o.heading, "A,T", "... and headings from A - T to A + T only [rad]");
   add_text_option(app, "--out", o.out, "DIR", "Folder for the results (parloc_out)");
-  add_text_option(app, "--backend", o.backend, "WHICH",
-                  "auto, cpu or cuda; --device D is one of several GPUs");
+  add_choice_option(app, "--backend", o.backend, kBackends, "WHICH",
+                    "auto, cpu or cuda; --device D is one of several GPUs");
   add_text_option(app, "--device", o.device, "D", "CUDA device, as parloc devices lists them")->group("");
   add_text_option(app, "--particles", o.particles, "N", "A fixed number, 1 to 16777216");
   add_text_option(app, "--beams", o.beams, "B", "Beams used of a scan, 1 to 4096");
@@ -63,13 +65,6 @@ void declare(CLI::App& app, RunOptions& o) {
   app.add_flag("--json", o.json, "Print the metrics alone, as JSON");
   app.add_flag("--quiet", o.quiet, "No progress and no summary");
   app.get_help_ptr()->group("");  // whoever reads the list knows it
-}
-
-BackendChoice backend_choice(const std::string& name) {
-  for (const auto& choice : kBackends) {
-    if (name == choice.name) return choice.value;
-  }
-  throw Error(ErrorKind::usage, fmt::format("--backend: expected auto, cpu or cuda, got '{}'", name));
 }
 
 /// The configuration file with the command line on top.
@@ -87,7 +82,7 @@ Config effective_config(const RunOptions& o) {
     config.scan.min_beams =
         std::min(config.scan.min_beams, config.scan.max_beams);  // so few are meant to be used
   }
-  if (!o.backend.empty()) config.backend = backend_choice(o.backend);
+  if (o.backend) config.backend = *o.backend;
   try {
     validate(config);
   } catch (const Error& e) {  // a file is sound by now, so it is the command line

@@ -13,6 +13,8 @@
 
 #include "common/config/config.h"
 #include "tools/report/config_facts.h"
+#include "tools/report/machine/machine_json.h"
+#include "tools/report/relation_facts.h"
 #include "tools/run/run_health.h"
 
 namespace parloc::tools {
@@ -186,7 +188,7 @@ std::string deskewing_text(const LidarUse& lidar) {
   return text;
 }
 
-void add_lidar_facts(std::vector<Fact>& facts, const Localization& run) {
+void add_lidar_facts(Facts& facts, const Localization& run) {
   for (const LidarUse& lidar : run.lidars) {
     const std::string name = run.lidars.size() > 1 ? lidar.name + ": " : "";
     facts.push_back({"beams", name + beams_text(lidar, run.config.scan.min_beams)});
@@ -218,9 +220,9 @@ std::string spread_text(const Localization& run) {
 }
 
 /// What the report's first table and the summary on the terminal both say.
-std::vector<Fact> main_facts(const RunResults& results) {
+Facts main_facts(const RunResults& results) {
   const Localization& run = results.run;
-  std::vector<Fact> facts;
+  Facts facts;
   facts.push_back({"scans", fmt::format("{}{}{}", run.scans, run.odometry_only ? ", none used" : "",
                                         run.interrupted ? " (interrupted)" : "")});
   if (results.errors && results.errors->compared > 0) {
@@ -315,8 +317,7 @@ std::string metrics_json(const RunResults& results) {
   json["init"] = results.init;
   json["command"] = results.command_line;
   json["config"] = config_json(run.config);
-  // File names need not be UTF-8, JSON must be.
-  return json.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
+  return file_text(json);
 }
 
 RunReport run_report(const RunResults& results, const GridMap& map) {
@@ -345,16 +346,13 @@ RunReport run_report(const RunResults& results, const GridMap& map) {
 }
 
 std::string run_summary(const RunResults& results) {
-  std::string text;
-  for (const Fact& fact : main_facts(results)) text += fmt::format("{:<16}{}\n", fact.key, fact.value);
+  Facts facts = main_facts(results);
   const std::vector<std::string> warnings = warning_lines(results.run);
   constexpr std::size_t most = 8;
-  for (std::size_t i = 0; i < warnings.size() && i < most; ++i) {
-    text += fmt::format("{:<16}{}\n", "warning", warnings[i]);
-  }
+  for (std::size_t i = 0; i < warnings.size() && i < most; ++i) facts.push_back({"warning", warnings[i]});
   if (warnings.size() > most)
-    text += fmt::format("{:<16}{} more in metrics.json\n", "warning", warnings.size() - most);
-  return text;
+    facts.push_back({"warning", fmt::format("{} more in metrics.json", warnings.size() - most)});
+  return aligned_text(facts, 16);
 }
 
 }  // namespace parloc::tools

@@ -7,7 +7,7 @@
 
 #include "common/error.h"
 
-namespace parloc::slam {
+namespace parloc::tools::slam {
 namespace {
 
 double seconds(std::chrono::steady_clock::duration time) {
@@ -75,4 +75,4 @@ double Checkpoints::wall_s() const {
   return from_.wall_s + seconds(Clock::now() - begun_);
 }
 
-}  // namespace parloc::slam
+}  // namespace parloc::tools::slam

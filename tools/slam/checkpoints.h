@@ -11,7 +11,7 @@
 #include "tools/slam/map_log.h"
 #include "tools/slam/map_position.h"
 
-namespace parloc::slam {
+namespace parloc::tools::slam {
 
 class Checkpoints {
  public:
@@ -47,4 +47,4 @@ class Checkpoints {
   Clock::time_point begun_ = Clock::now(), written_ = begun_;
 };
 
-}  // namespace parloc::slam
+}  // namespace parloc::tools::slam

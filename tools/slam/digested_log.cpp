@@ -1,6 +1,6 @@
 #include "tools/slam/digested_log.h"
 
-namespace parloc::slam {
+namespace parloc::tools::slam {
 namespace {
 
 void add(Sha256& sha, const Pose& pose) {
@@ -38,4 +38,4 @@ bool DigestedLog::next(LogRecord& record) {
   return true;
 }
 
-}  // namespace parloc::slam
+}  // namespace parloc::tools::slam

@@ -6,7 +6,7 @@
 #include "common/io/log.h"
 #include "common/math/sha256.h"
 
-namespace parloc::slam {
+namespace parloc::tools::slam {
 
 /// Passes another log's records on, and digests them: what a run depends on, not how the file spells it.
 class DigestedLog final : public LogReader {
@@ -23,4 +23,4 @@ class DigestedLog final : public LogReader {
   Sha256 sha_;
 };
 
-}  // namespace parloc::slam
+}  // namespace parloc::tools::slam

@@ -7,7 +7,7 @@
 
 #include "tools/report/map_view.h"
 
-namespace parloc::slam {
+namespace parloc::tools::slam {
 namespace {
 
 /// Fewer and larger cells; a wall stays a wall.
@@ -109,4 +109,4 @@ void write_live(const std::string& path, const Growth& g) {
                                  mebibytes(g.memory.tile_bytes)));
 }
 
-}  // namespace parloc::slam
+}  // namespace parloc::tools::slam

@@ -8,7 +8,7 @@
 #include "common/slam/grid_slam.h"
 #include "tools/report/report.h"
 
-namespace parloc::slam {
+namespace parloc::tools::slam {
 
 /// The work at one moment.
 struct Growth {
@@ -41,4 +41,4 @@ MapMoment moment_of(const Growth& growth);
 /// A picture with the numbers below, for those who wait.
 void write_live(const std::string& path, const Growth& growth);
 
-}  // namespace parloc::slam
+}  // namespace parloc::tools::slam

@@ -8,10 +8,10 @@
 #include "common/error.h"
 #include "common/io/scan_stream.h"
 #include "tools/report/even_sample.h"
-#include "tools/report/peak_memory.h"
+#include "tools/report/machine/peak_memory.h"
 #include "tools/slam/checkpoints.h"
 
-namespace parloc::slam {
+namespace parloc::tools::slam {
 namespace {
 
 using Clock = std::chrono::steady_clock;
@@ -109,4 +109,4 @@ Mapping map_log(LogReader& source, const MapRequest& request) {
   return m;
 }
 
-}  // namespace parloc::slam
+}  // namespace parloc::tools::slam

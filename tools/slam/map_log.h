@@ -17,7 +17,7 @@
 #include "tools/slam/growth.h"
 #include "tools/slam/scan_times.h"
 
-namespace parloc::slam {
+namespace parloc::tools::slam {
 
 struct MapRequest {
   Config config;
@@ -66,4 +66,4 @@ struct Mapping {
 /// Error{config} and Error{backend} as GridSlam.
 Mapping map_log(LogReader& log, const MapRequest& request);
 
-}  // namespace parloc::slam
+}  // namespace parloc::tools::slam

@@ -5,7 +5,7 @@
 #include "common/file/bytes.h"
 #include "tools/slam/saved_growth.h"
 
-namespace parloc::slam {
+namespace parloc::tools::slam {
 
 std::string to_bytes(const MapPosition& position) {
   std::string bytes;
@@ -36,4 +36,4 @@ MapPosition map_position_from(const std::string& bytes, const std::string& name)
   return position;
 }
 
-}  // namespace parloc::slam
+}  // namespace parloc::tools::slam

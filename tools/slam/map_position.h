@@ -7,7 +7,7 @@
 
 #include "tools/slam/growth.h"
 
-namespace parloc::slam {
+namespace parloc::tools::slam {
 
 struct MapPosition {
   std::string log_name;          ///< For messages.
@@ -23,4 +23,4 @@ std::string to_bytes(const MapPosition& position);
 /// `name` stands for the checkpoint in messages. Throws Error{input}.
 MapPosition map_position_from(const std::string& bytes, const std::string& name);
 
-}  // namespace parloc::slam
+}  // namespace parloc::tools::slam

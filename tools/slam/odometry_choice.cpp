@@ -6,7 +6,7 @@
 #include <optional>
 #include <system_error>
 
-namespace parloc::slam {
+namespace parloc::tools::slam {
 namespace {
 
 bool same(const Pose& a, const Pose& b) {
@@ -36,4 +36,4 @@ bool choose_odometry(const std::string& log_path, Config& config) {
   return true;
 }
 
-}  // namespace parloc::slam
+}  // namespace parloc::tools::slam

@@ -6,7 +6,7 @@
 #include "common/config/config.h"
 #include "common/io/log.h"
 
-namespace parloc::slam {
+namespace parloc::tools::slam {
 
 constexpr const char* kOdometryFromScans = "the log has no odometry that moves: taken from its scans";
 
@@ -16,4 +16,4 @@ bool odometry_stands_still(LogReader& log);
 /// did so. A log that is not a plain file, and can be read only once, is not looked at.
 bool choose_odometry(const std::string& log_path, Config& config);
 
-}  // namespace parloc::slam
+}  // namespace parloc::tools::slam

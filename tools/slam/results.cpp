@@ -10,11 +10,12 @@
 #include "common/eval/align.h"
 #include "common/slam/matching/tiles.h"
 #include "tools/report/config_facts.h"
-#include "tools/report/machine_json.h"
-#include "tools/report/statistics.h"
+#include "tools/report/machine/machine_json.h"
+#include "tools/report/machine/statistics.h"
+#include "tools/report/relation_facts.h"
 #include "tools/slam/odometry_choice.h"
 
-namespace parloc::slam {
+namespace parloc::tools::slam {
 namespace {
 
 using Json = nlohmann::ordered_json;
@@ -70,9 +71,9 @@ Json loops_json(const std::optional<LoopCounts>& c) {
           {"most_moved_m", c->most_moved_m}};
 }
 
-std::vector<Fact> main_facts(const SlamResults& results) {
+Facts main_facts(const SlamResults& results) {
   const Mapping& m = results.mapping;
-  std::vector<Fact> facts;
+  Facts facts;
   facts.push_back(
       {"scans", fmt::format("{} read, {} taken in{}{}", m.scans, m.records.size(),
                             m.resumed_at > 0 ? fmt::format(", resumed after {}", m.resumed_at) : "",
@@ -164,7 +165,7 @@ std::vector<double> stamps_of(const std::vector<SlamRecord>& records) {
 }
 
 Plot ancestors_plot(const Mapping& m) {
-  Plot plot{"Ancestors of the last particles", "different poses", PlotScale::automatic, {}, {}, {}, {}};
+  Plot plot{"Ancestors of the last particles", "different poses", PlotScale::automatic};
   plot.series.push_back(
       {"", "c1", stamps_of(m.records), std::vector<double>(m.distinct.begin(), m.distinct.end())});
   plot.levels.push_back({"all particles", "c6", static_cast<double>(m.config.slam.particles)});
@@ -172,7 +173,7 @@ Plot ancestors_plot(const Mapping& m) {
 }
 
 Plot memory_plot(const Mapping& m) {
-  Plot plot{"Tiles of all maps", "MiB", PlotScale::from_zero, {}, {}, {}, {}};
+  Plot plot{"Tiles of all maps", "MiB", PlotScale::from_zero};
   std::vector<double> tiles;
   for (const SlamRecord& r : m.records) tiles.push_back(static_cast<double>(r.tiles * sizeof(Tile)) / kMiB);
   plot.series.push_back({"", "c1", stamps_of(m.records), tiles});
@@ -220,7 +221,7 @@ std::string metrics_json(const SlamResults& results) {
   json["wall_s"] = m.wall_s;
   json["log_s"] = m.log_s;
   json["real_time_factor"] = m.real_time_factor();
-  const bench::TimeSummary step = bench::summarise(m.step_s);
+  const TimeSummary step = summarise_times(m.step_s);
   json["step_ms_median"] = 1e3 * step.median_s;
   json["step_ms_p99"] = 1e3 * step.p99_s;
   json["step_ms_max"] = 1e3 * step.most_s;
@@ -237,7 +238,7 @@ std::string metrics_json(const SlamResults& results) {
   json["log"] = results.log_path;
   json["command"] = results.command_line;
   json["config"] = tools::config_json(m.config);
-  return bench::file_text(json);
+  return file_text(json);
 }
 
 RunReport report_of(const SlamResults& results) {
@@ -268,16 +269,14 @@ RunReport report_of(const SlamResults& results) {
 }
 
 std::string summary_text(const SlamResults& results) {
-  std::vector<Fact> facts = main_facts(results);
+  Facts facts = main_facts(results);
   if (results.errors && results.errors->compared > 0)
     facts.push_back(
         {"error", fmt::format("{:.3f} m and {:.2f} degrees RMSE after alignment, from {} poses",
                               results.errors->position_rmse_m, kDegrees * results.errors->heading_rmse_rad,
                               results.errors->compared)});
-  std::string text;
-  for (const Fact& fact : facts) text += fmt::format("{:<16}{}\n", fact.key, fact.value);
-  for (const std::string& line : warning_lines(results)) text += fmt::format("{:<16}{}\n", "warning", line);
-  return text;
+  for (const std::string& line : warning_lines(results)) facts.push_back({"warning", line});
+  return aligned_text(facts, 16);
 }
 
-}  // namespace parloc::slam
+}  // namespace parloc::tools::slam

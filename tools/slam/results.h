@@ -8,7 +8,7 @@
 #include "tools/report/report.h"
 #include "tools/slam/map_log.h"
 
-namespace parloc::slam {
+namespace parloc::tools::slam {
 
 struct SlamResults {
   std::string log_path, relations_path, truth_path, command_line;
@@ -25,4 +25,4 @@ std::string metrics_json(const SlamResults& results);
 RunReport report_of(const SlamResults& results);
 std::string summary_text(const SlamResults& results);
 
-}  // namespace parloc::slam
+}  // namespace parloc::tools::slam

@@ -2,7 +2,7 @@
 
 #include "common/slam/checkpoint_values.h"
 
-namespace parloc::slam {
+namespace parloc::tools::slam {
 namespace {
 
 /// Cells as runs of the same.
@@ -83,4 +83,4 @@ Growth get_growth(ByteReader& r) {
   return g;
 }
 
-}  // namespace parloc::slam
+}  // namespace parloc::tools::slam

@@ -4,10 +4,10 @@
 #include "common/file/bytes.h"
 #include "tools/slam/growth.h"
 
-namespace parloc::slam {
+namespace parloc::tools::slam {
 
 void put_growth(ByteWriter& w, const Growth& growth);
 /// Throws Error{input}.
 Growth get_growth(ByteReader& r);
 
-}  // namespace parloc::slam
+}  // namespace parloc::tools::slam

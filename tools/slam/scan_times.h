@@ -5,7 +5,7 @@
 #include <map>
 #include <string>
 
-namespace parloc::slam {
+namespace parloc::tools::slam {
 
 class ScanTimes {
  public:
@@ -31,4 +31,4 @@ class ScanTimes {
   double longest_gap_s_ = 0.0;
 };
 
-}  // namespace parloc::slam
+}  // namespace parloc::tools::slam

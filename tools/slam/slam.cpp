@@ -15,6 +15,7 @@
 #include "common/filter/filter_settings.h"
 #include "common/map/map_reader.h"
 #include "common/slam/slam_settings.h"
+#include "tools/program/choice_option.h"
 #include "tools/program/commands.h"
 #include "tools/program/interrupt.h"
 #include "tools/program/output_folder.h"
@@ -31,7 +32,9 @@ namespace {
 
 /// The command line; what was not given is empty.
 struct SlamOptions {
-  std::string log, config, truth, relations, particles, proposal, backend, seed, threads, out, resume, every;
+  std::string log, config, truth, relations, particles, seed, threads, out, resume, every;
+  std::optional<SlamProposal> proposal;
+  std::optional<BackendChoice> backend;
   bool live = false, json = false, quiet = false;
 };
 
@@ -42,8 +45,8 @@ void declare(CLI::App& app, SlamOptions& o) {
   add_text_option(app, "--relations", o.relations, "R.txt", "True relations between scans");
   add_text_option(app, "--out", o.out, "DIR", "Folder for the results (parloc_map)");
   add_text_option(app, "--particles", o.particles, "N", "Each with a map of its own, 1 to 65535");
-  add_text_option(app, "--proposal", o.proposal, "WHICH", "motion, scan_match or gaussian");
-  add_text_option(app, "--backend", o.backend, "WHICH", "auto, cpu or cuda");
+  add_choice_option(app, "--proposal", o.proposal, kSlamProposals, "WHICH", "motion, scan_match or gaussian");
+  add_choice_option(app, "--backend", o.backend, kBackends, "WHICH", "auto, cpu or cuda");
   add_text_option(app, "--seed", o.seed, "S", "Same seed, same map");
   add_text_option(app, "--threads", o.threads, "K", "CPU threads; 0: all cores");
   add_text_option(app, "--resume", o.resume, "DIR", "Go on from the checkpoint of an interrupted run");
@@ -55,16 +58,6 @@ void declare(CLI::App& app, SlamOptions& o) {
   app.get_help_ptr()->group("");  // whoever reads the list knows it
 }
 
-template <class Enum>
-Enum choice_of(const char* option, const std::string& text, const std::vector<Choice<Enum>>& choices) {
-  std::string names;
-  for (const auto& choice : choices) {
-    if (text == choice.name) return choice.value;
-    names += fmt::format("{}{}", names.empty() ? "" : ", ", choice.name);
-  }
-  throw Error(ErrorKind::usage, fmt::format("{}: expected one of {}, got '{}'", option, names, text));
-}
-
 /// The configuration file with the command line on top.
 Config effective_config(const SlamOptions& o, const Config& base) {
   Config config = o.config.empty() ? base : read_config(o.config, base);
@@ -72,8 +65,8 @@ Config effective_config(const SlamOptions& o, const Config& base) {
     config.slam.particles = parse_whole_number<std::int64_t>("--particles", o.particles);
   if (!o.seed.empty()) config.seed = parse_whole_number<std::uint64_t>("--seed", o.seed);
   if (!o.threads.empty()) config.threads = parse_whole_number<int>("--threads", o.threads);
-  if (!o.proposal.empty()) config.slam.proposal = choice_of("--proposal", o.proposal, kSlamProposals);
-  if (!o.backend.empty()) config.backend = choice_of("--backend", o.backend, kBackends);
+  if (o.proposal) config.slam.proposal = *o.proposal;
+  if (o.backend) config.backend = *o.backend;
   try {
     validate(config);
   } catch (const Error& e) {  // a file is sound by now, so it is the command line

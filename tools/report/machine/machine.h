@@ -1,0 +1,33 @@
+// What times depend on: the machine and the build.
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+namespace parloc::tools {
+
+struct Machine {
+  std::string cpu;
+  int cores = 0;                   ///< That this program may use.
+  std::uint64_t memory_bytes = 0;  ///< Of the machine; 0: unknown.
+  std::string os;                  ///< Distribution and kernel.
+  double load_average =
+      0.0;  ///< Of the last minute before the start: other work disturbs times. Negative: unknown.
+  std::string gpu_driver;             ///< Empty without one.
+  std::vector<std::string> devices;   ///< As `parloc devices` lists them.
+  std::vector<std::string> settings;  ///< Variables of the environment that steer threads, as NAME=VALUE.
+};
+
+Machine machine_here();
+
+/// The CPU's cores that this program may run on.
+int cores_here();
+
+/// "parloc 0.1.0, commit 0123abc", without the latter where it is not known.
+std::string version_text();
+
+/// Now, in UTC: "2026-01-31T12:00:00Z".
+std::string date_now();
+
+}  // namespace parloc::tools
