@@ -38,13 +38,13 @@ class FlowEngine final : public FlowBackend {
     Space::distance_table(squared.data(), map.width, map.height, table_.data(), queue_);
     queue_.wait();  // before what it is made of goes
     const FlowRules rules = bind_flow_rules(config_.flow, config_.method, map.resolution_m);
-    args_ = {.field = {{table_.data(), map.width, map.height},
-                       rules.interpolation,
-                       rules.cap_cells,
-                       map.resolution_m},
-             .rules = rules,
-             .state = state_.there(),
-             .move = move_.data()};
+    args_ = FlowArgs{.field = {{table_.data(), map.width, map.height},
+                               rules.interpolation,
+                               rules.cap_cells,
+                               map.resolution_m},
+                     .rules = rules,
+                     .state = state_.there(),
+                     .move = move_.data()};
   }
 
   void start(const ParticleSet& particles, const PoseGaussian& gaussian) override {
