@@ -80,7 +80,7 @@ class FilterBackend {
 /// for cuda in a build without it.
 bool takes_cuda(BackendChoice choice, std::string& why);
 
-/// Defined in cpu/backend.cpp and cuda/backend.cu. Throws Error{backend} if there is no usable device.
+/// Defined in cpu/engines.cpp and cuda/engines.cu. Throws Error{backend} if there is no usable device.
 std::unique_ptr<FilterBackend> make_cpu_filter_backend(const FilterBackendConfig& config);
 std::unique_ptr<FilterBackend> make_cuda_filter_backend(const FilterBackendConfig& config);
 
@@ -92,7 +92,7 @@ std::unique_ptr<FilterBackend> make_filter_backend(BackendChoice choice, const F
 /// One line per device that this build can run on, and why others cannot be used. For `parloc devices`.
 std::vector<std::string> describe_devices();
 
-/// The two halves of describe_devices; the second is defined only in CUDA builds.
+/// The two halves of describe_devices, in cpu/space.cpp and cuda/space.cu; the second only in CUDA builds.
 std::string describe_cpu();
 std::vector<std::string> describe_cuda_devices();
 /// Number of usable CUDA devices, 0 without a driver. Only in CUDA builds.

@@ -80,7 +80,7 @@ std::uint64_t needed_bytes(const Variant& variant, std::int64_t particles) {
   const std::uint64_t particle_arrays =
       n * (7 * sizeof(float) + 2 * sizeof(std::uint64_t) + 3 * sizeof(std::uint32_t));
   const std::uint64_t bins = bin_capacity(particles) * (2 * sizeof(std::uint64_t) + sizeof(std::uint32_t));
-  return cloud + particle_arrays + bins + kMapTables;  // as cpu/backend.cpp allocates
+  return cloud + particle_arrays + bins + kMapTables;  // as common/filter/engine/filter_engine.h allocates
 }
 
 std::int64_t particles_in_memory(const Variant& variant, std::int64_t most,
