@@ -1,5 +1,5 @@
 // The engines on OpenMP.
-#include "common/filter/filter_engine.h"
+#include "common/filter/engine/filter_engine.h"
 #include "common/flow/flow_engine.h"
 #include "common/slam/slam_engine.h"
 #include "cpu/space.h"

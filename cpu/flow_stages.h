@@ -1,7 +1,7 @@
 // The stages of flow and Kalman filters as OpenMP loops; contract in common/flow/flow_stages.h.
 #pragma once
 
-#include "common/filter/step_input_buffer.h"
+#include "common/filter/engine/step_input_buffer.h"
 #include "common/flow/flow_stages.h"
 #include "cpu/distance_sum.h"
 #include "cpu/parallel.h"

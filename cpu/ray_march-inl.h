@@ -1,5 +1,5 @@
 // The fixed step of Paz et al. 2012, a vector of points of one ray at a time: the operations of
-// cast_fixed_step (common/map/ray_cast.h). Compiled once per instruction set by Highway.
+// cast_fixed_step (common/map/rays/ray_cast.h). Compiled once per instruction set by Highway.
 #if defined(PARLOC_CPU_RAY_MARCH_INL_H) == defined(HWY_TARGET_TOGGLE)  // once per target
 #ifdef PARLOC_CPU_RAY_MARCH_INL_H
 #undef PARLOC_CPU_RAY_MARCH_INL_H

@@ -1,5 +1,5 @@
 // Rays in the lanes of vectors, and the leaps that they make together. The lanes do the operations of
-// cast_skip (common/map/ray_cast.h) in the same order, so the bits are the same. Compiled once per
+// cast_skip (common/map/rays/ray_cast.h) in the same order, so the bits are the same. Compiled once per
 // instruction set by Highway.
 #if defined(PARLOC_CPU_RAYS_INL_H) == defined(HWY_TARGET_TOGGLE)  // once per target
 #ifdef PARLOC_CPU_RAYS_INL_H

@@ -1,5 +1,5 @@
-// Host memory, and stages that are done when they return: what the engines (common/filter/filter_engine.h and
-// its sisters) are given to run on OpenMP.
+// Host memory, and stages that are done when they return: what the engines
+// (common/filter/engine/filter_engine.h and its sisters) are given to run on OpenMP.
 #pragma once
 
 #include <algorithm>

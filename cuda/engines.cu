@@ -1,5 +1,5 @@
 // The engines on CUDA; compiled as C++, those that run the kernels on the host for the tests.
-#include "common/filter/filter_engine.h"
+#include "common/filter/engine/filter_engine.h"
 #include "common/flow/flow_engine.h"
 #include "common/slam/slam_engine.h"
 #include "cuda/space.h"

@@ -2,7 +2,7 @@
 // asynchronous on the queue and can be recorded.
 #pragma once
 
-#include "common/filter/step_input_buffer.h"
+#include "common/filter/engine/step_input_buffer.h"
 #include "common/flow/flow_stages.h"
 #include "common/flow/mean_update.h"
 #include "cuda/queue.h"

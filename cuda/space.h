@@ -1,5 +1,5 @@
 // Device memory, and stages that run when the host does not wait for them: what the engines
-// (common/filter/filter_engine.h and its sisters) are given to run on CUDA.
+// (common/filter/engine/filter_engine.h and its sisters) are given to run on CUDA.
 #pragma once
 
 #include <map>

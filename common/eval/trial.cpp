@@ -4,7 +4,7 @@
 #include <cmath>
 #include <utility>
 
-#include "common/eval/simulator.h"
+#include "common/simulator/simulator.h"
 
 namespace parloc {
 namespace {

@@ -7,13 +7,13 @@
 #include <vector>
 
 #include "common/eval/calibration.h"
-#include "common/eval/scenario.h"
-#include "common/eval/wander.h"
 #include "common/filter/particle_filter.h"
 #include "common/io/log.h"
 #include "common/io/trajectory.h"
 #include "common/localize/health.h"
 #include "common/map/grid_map.h"
+#include "common/simulator/scenario.h"
+#include "common/simulator/wander.h"
 
 namespace parloc {
 

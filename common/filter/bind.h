@@ -17,7 +17,7 @@ const T* first_cell(const T* padded, const GridMap& map) {
   return padded == nullptr ? nullptr : padded + (map.width + 2) + 1;
 }
 
-/// `skip`: lines of a skip field (common/map/skip_field.h), or null for models that cast no rays.
+/// `skip`: lines of a skip field (common/map/rays/skip_field.h), or null for models that cast no rays.
 inline RayMap bind_ray_map(const std::uint8_t* skip, std::int32_t skip_plane, const GridMap& map,
                            const Walls& walls = {}) {
   return {first_cell(skip, map),

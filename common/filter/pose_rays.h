@@ -6,7 +6,7 @@
 
 #include "common/filter/stages.h"
 #include "common/map/grid_map.h"
-#include "common/map/wall_index.h"
+#include "common/map/rays/wall_index.h"
 #include "common/model/beams.h"
 
 namespace parloc {

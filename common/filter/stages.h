@@ -31,7 +31,7 @@
 #include "common/filter/bins.h"
 #include "common/filter/filter_config.h"
 #include "common/filter/step_input.h"
-#include "common/map/ray_cast.h"
+#include "common/map/rays/ray_cast.h"
 #include "common/model/beam_skip.h"
 #include "common/model/likelihood_field.h"
 

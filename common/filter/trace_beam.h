@@ -2,7 +2,7 @@
 #pragma once
 
 #include "common/filter/stages.h"
-#include "common/map/wall_cast.h"
+#include "common/map/rays/wall_cast.h"
 
 namespace parloc {
 

@@ -1,11 +1,11 @@
 // The backend of flow and Kalman filters over any memory space; what a space gives, says
-// common/filter/filter_engine.h.
+// common/filter/engine/filter_engine.h.
 #pragma once
 
 #include <string>
 
-#include "common/filter/step_input_buffer.h"
-#include "common/filter/weighted_cloud.h"
+#include "common/filter/engine/step_input_buffer.h"
+#include "common/filter/engine/weighted_cloud.h"
 #include "common/flow/flow_backend.h"
 #include "common/flow/flow_stages.h"
 #include "common/map/blocking_cells.h"

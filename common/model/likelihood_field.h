@@ -5,7 +5,7 @@
 #include <cstddef>
 #include <cstdint>
 
-#include "common/map/ray_cast.h"
+#include "common/map/rays/ray_cast.h"
 #include "common/math/portable.h"
 #include "common/model/sensor_config.h"
 

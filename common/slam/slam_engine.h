@@ -1,4 +1,5 @@
-// The backend of grid SLAM over any memory space; what a space gives, says common/filter/filter_engine.h.
+// The backend of grid SLAM over any memory space; what a space gives, says
+// common/filter/engine/filter_engine.h.
 #pragma once
 
 #include <optional>
@@ -6,8 +7,8 @@
 #include <utility>
 #include <vector>
 
-#include "common/filter/step_input_buffer.h"
-#include "common/filter/weighted_cloud.h"
+#include "common/filter/engine/step_input_buffer.h"
+#include "common/filter/engine/weighted_cloud.h"
 #include "common/slam/slam_backend.h"
 
 namespace parloc {

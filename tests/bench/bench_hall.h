@@ -4,9 +4,9 @@
 #include <string>
 
 #include "common/error.h"
-#include "common/eval/simulator.h"
 #include "common/filter/filter_backend.h"
 #include "common/map/map_reader.h"
+#include "common/simulator/simulator.h"
 
 namespace parloc::bench {
 

@@ -10,7 +10,7 @@
 #include <random>
 #include <vector>
 
-#include "common/map/skip_field.h"
+#include "common/map/rays/skip_field.h"
 #include "tests/unit/measured_field.h"
 
 namespace {

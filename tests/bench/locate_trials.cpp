@@ -19,13 +19,13 @@
 
 #include "common/error.h"
 #include "common/eval/metrics.h"
-#include "common/eval/simulator.h"
 #include "common/io/trajectory.h"
 #include "common/map/map_reader.h"
 #include "common/math/philox.h"
 #include "common/math/portable64.h"
 #include "common/search/global_search.h"
 #include "common/search/search_map.h"
+#include "common/simulator/simulator.h"
 
 namespace parloc {
 namespace {

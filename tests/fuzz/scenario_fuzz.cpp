@@ -5,8 +5,8 @@
 #include <string>
 
 #include "common/error.h"
-#include "common/eval/drive.h"
-#include "common/eval/scenario.h"
+#include "common/simulator/drive.h"
+#include "common/simulator/scenario.h"
 
 namespace {
 

@@ -1,7 +1,7 @@
 // A scan for tests that compare backends.
 #pragma once
 
-#include "common/eval/simulator.h"
+#include "common/simulator/simulator.h"
 
 namespace parloc::test {
 

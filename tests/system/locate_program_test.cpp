@@ -5,8 +5,8 @@
 #include <cmath>
 #include <string>
 
-#include "common/eval/simulator.h"
 #include "common/map/map_reader.h"
+#include "common/simulator/simulator.h"
 #include "tests/system/program_fixture.h"
 
 namespace parloc::test {

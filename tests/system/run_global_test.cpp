@@ -4,8 +4,8 @@
 #include <algorithm>
 #include <string>
 
-#include "common/eval/simulator.h"
 #include "common/map/map_reader.h"
+#include "common/simulator/simulator.h"
 #include "tests/system/program_fixture.h"
 #include "tests/unit/localize_scenes.h"
 

@@ -9,9 +9,9 @@
 #include <vector>
 
 #include "common/config/config.h"
-#include "common/eval/simulator.h"
 #include "common/filter/particle_filter.h"
 #include "common/map/map_reader.h"
+#include "common/simulator/simulator.h"
 
 namespace parloc {
 namespace {

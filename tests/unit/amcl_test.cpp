@@ -6,10 +6,10 @@
 #include <string>
 #include <vector>
 
-#include "common/eval/simulator.h"
 #include "common/filter/particle_filter.h"
 #include "common/math/philox.h"
 #include "common/math/portable64.h"
+#include "common/simulator/simulator.h"
 
 namespace parloc {
 namespace {

@@ -11,7 +11,7 @@
 #include <vector>
 
 #include "common/error.h"
-#include "common/eval/simulator.h"
+#include "common/simulator/simulator.h"
 #include "tests/unit/timing_rules.h"
 #include "tools/bench/json.h"
 #include "tools/bench/published.h"

@@ -5,8 +5,8 @@
 #include <cmath>
 
 #include "common/error.h"
-#include "common/eval/clutter.h"
-#include "common/eval/simulator.h"
+#include "common/simulator/clutter.h"
+#include "common/simulator/simulator.h"
 
 namespace parloc {
 namespace {

@@ -1,7 +1,7 @@
 // The drive of a simulated robot along its path, and the shipped paths.
 #include <algorithm>
 
-#include "common/eval/drive.h"
+#include "common/simulator/drive.h"
 
 #include "tests/unit/simulated.h"
 

@@ -5,7 +5,7 @@
 #include <filesystem>
 
 #include "common/config/config.h"
-#include "common/eval/simulator.h"
+#include "common/simulator/simulator.h"
 #include "tests/unit/temp_file.h"
 #include "tools/learn/learn_picture.h"
 #include "tools/learn/range_pairs.h"

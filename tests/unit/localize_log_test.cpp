@@ -12,7 +12,7 @@
 #include "common/config/config.h"
 #include "common/error.h"
 #include "common/eval/metrics.h"
-#include "common/eval/simulator.h"
+#include "common/simulator/simulator.h"
 #include "tests/unit/small_drive.h"
 #include "tools/run/run_results.h"
 #include "tools/run/start_pose.h"

@@ -6,12 +6,12 @@
 #include <limits>
 
 #include "common/error.h"
-#include "common/eval/simulator.h"
 #include "common/map/map_reader.h"
 #include "common/math/portable64.h"
 #include "common/search/global_search.h"
 #include "common/search/hypotheses.h"
 #include "common/search/search_map.h"
+#include "common/simulator/simulator.h"
 
 namespace parloc {
 namespace {

@@ -1,6 +1,6 @@
 // The skip field promises nothing false, and every exact caster finds the same cell: skipping against cell by
 // cell, one ray at a time and as the CPU backend casts them, many at once.
-#include "common/map/ray_cast.h"
+#include "common/map/rays/ray_cast.h"
 
 #include <gtest/gtest.h>
 
@@ -10,7 +10,7 @@
 #include "common/error.h"
 #include "common/filter/filter_backend.h"
 #include "common/map/blocking_cells.h"
-#include "common/map/skip_field.h"
+#include "common/map/rays/skip_field.h"
 #include "common/model/beams.h"
 
 namespace parloc {

@@ -7,10 +7,10 @@
 #include <string>
 #include <vector>
 
-#include "common/eval/simulator.h"
 #include "common/io/log.h"
 #include "common/io/trajectory.h"
 #include "common/math/portable64.h"
+#include "common/simulator/simulator.h"
 #include "tests/unit/simulated.h"
 
 namespace parloc::test {

@@ -1,5 +1,5 @@
 // Scenario files: what is read, and what is refused in which words.
-#include "common/eval/scenario.h"
+#include "common/simulator/scenario.h"
 
 #include <cstdlib>
 

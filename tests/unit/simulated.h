@@ -10,8 +10,8 @@
 #include <vector>
 
 #include "common/error.h"
-#include "common/eval/simulator.h"
 #include "common/map/map_reader.h"
+#include "common/simulator/simulator.h"
 
 namespace parloc {
 

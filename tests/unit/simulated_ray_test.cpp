@@ -1,7 +1,7 @@
 // The simulator's ray caster against SPEC 2.2.
 #include <gtest/gtest.h>
 
-#include "common/eval/simulator.h"
+#include "common/simulator/simulator.h"
 #include "tests/unit/simulated.h"
 
 namespace parloc {

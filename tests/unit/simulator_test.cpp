@@ -1,5 +1,5 @@
 // Simulated logs: scans, odometry, noise, several LiDARs, that a seed means one log, and what is refused.
-#include "common/eval/simulator.h"
+#include "common/simulator/simulator.h"
 
 #include <gtest/gtest.h>
 
@@ -9,7 +9,7 @@
 #include <utility>
 #include <vector>
 
-#include "common/eval/drive.h"
+#include "common/simulator/drive.h"
 #include "tests/unit/simulated.h"
 
 namespace parloc {

@@ -5,10 +5,10 @@
 #include <string>
 #include <vector>
 
-#include "common/eval/simulator.h"
 #include "common/io/log.h"
 #include "common/io/trajectory.h"
 #include "common/map/grid_map.h"
+#include "common/simulator/simulator.h"
 
 namespace parloc::test {
 

@@ -1,5 +1,5 @@
 // Rays against walls that are segments: known answers, and the search by cells against trying every wall.
-#include "common/map/wall_cast.h"
+#include "common/map/rays/wall_cast.h"
 
 #include <gtest/gtest.h>
 
@@ -9,8 +9,8 @@
 
 #include "common/error.h"
 #include "common/filter/bind.h"
-#include "common/map/skip_field.h"
-#include "common/map/wall_index.h"
+#include "common/map/rays/skip_field.h"
+#include "common/map/rays/wall_index.h"
 #include "common/math/portable.h"
 
 namespace parloc {

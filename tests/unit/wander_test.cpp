@@ -5,10 +5,10 @@
 #include <set>
 
 #include "common/error.h"
-#include "common/eval/drive.h"
-#include "common/eval/simulator.h"
-#include "common/eval/wander.h"
 #include "common/map/map_reader.h"
+#include "common/simulator/drive.h"
+#include "common/simulator/simulator.h"
+#include "common/simulator/wander.h"
 
 namespace parloc {
 namespace {

@@ -1,5 +1,5 @@
 // Odometry of two wheels: the check values of the published error model, and that a simulated drive has them.
-#include "common/eval/wheel_odometry.h"
+#include "common/simulator/wheel_odometry.h"
 
 #include <array>
 #include <cmath>

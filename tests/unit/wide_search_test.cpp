@@ -5,8 +5,8 @@
 #include <vector>
 
 #include "common/error.h"
-#include "common/eval/simulator.h"
 #include "common/filter/bind.h"
+#include "common/simulator/simulator.h"
 #include "common/slam/slam_backend.h"
 #include "cpu/draft_maps.h"
 #include "tests/stage/room_of_blocks.h"

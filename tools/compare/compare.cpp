@@ -14,9 +14,9 @@
 
 #include "common/config/config.h"
 #include "common/error.h"
-#include "common/eval/scenario.h"
 #include "common/file/output_file.h"
 #include "common/map/map_reader.h"
+#include "common/simulator/scenario.h"
 #include "tools/compare/comparison.h"
 #include "tools/program/commands.h"
 #include "tools/program/interrupt.h"

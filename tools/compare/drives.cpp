@@ -8,10 +8,10 @@
 #include <vector>
 
 #include "common/error.h"
-#include "common/eval/drive.h"
 #include "common/eval/metrics.h"
-#include "common/eval/simulator.h"
 #include "common/io/log.h"
+#include "common/simulator/drive.h"
+#include "common/simulator/simulator.h"
 
 namespace parloc::tools::compare {
 namespace {

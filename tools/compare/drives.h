@@ -7,9 +7,9 @@
 #include <optional>
 #include <string>
 
-#include "common/eval/scenario.h"
 #include "common/eval/trial.h"
 #include "common/map/grid_map.h"
+#include "common/simulator/scenario.h"
 
 namespace parloc::tools::compare {
 

@@ -16,9 +16,9 @@
 
 #include "common/config/config.h"
 #include "common/error.h"
-#include "common/eval/scenario.h"
 #include "common/file/output_file.h"
 #include "common/map/map_reader.h"
+#include "common/simulator/scenario.h"
 #include "tools/evaluate/evaluate_relations.h"
 #include "tools/evaluate/evaluation.h"
 #include "tools/evaluate/run_trials.h"

@@ -8,8 +8,8 @@
 
 #include "common/error.h"
 #include "common/eval/metrics.h"
-#include "common/eval/wander.h"
 #include "common/io/log.h"
+#include "common/simulator/wander.h"
 
 namespace parloc::tools::evaluate {
 namespace {

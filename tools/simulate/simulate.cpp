@@ -10,11 +10,11 @@
 #include <vector>
 
 #include "common/error.h"
-#include "common/eval/scenario.h"
-#include "common/eval/simulator.h"
 #include "common/file/output_file.h"
 #include "common/io/trajectory.h"
 #include "common/map/map_reader.h"
+#include "common/simulator/scenario.h"
+#include "common/simulator/simulator.h"
 #include "tools/program/commands.h"
 #include "tools/program/interrupt.h"
 #include "tools/program/output_folder.h"

@@ -4,7 +4,7 @@
 
 #include <cstdint>
 
-#include "common/map/ray_cast.h"
+#include "common/map/rays/ray_cast.h"
 
 namespace parloc {
 

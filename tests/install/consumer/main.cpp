@@ -120,8 +120,8 @@ int main() try {
   config.backend = parloc::BackendChoice::cpu;
   config.particles = 2000;
   config.sensor.tempering = 0.3;  // the scan is clean: trust it more than a real one
-  const bool all =
-      follows(config, map) && finds_itself(config, map) && is_located(config, map) && is_mapped(parloc::grid_slam_config(config), map);
+  const bool all = follows(config, map) && finds_itself(config, map) && is_located(config, map) &&
+                   is_mapped(parloc::grid_slam_config(config), map);
   return all ? 0 : 1;
 } catch (const parloc::Error& error) {
   std::fprintf(stderr, "%s\n", error.what());

@@ -6,11 +6,11 @@
 #include <cstddef>
 
 #include "common/error.h"
-#include "common/eval/simulator.h"
 #include "common/filter/start.h"
 #include "common/map/map_reader.h"
 #include "common/math/philox.h"
 #include "common/math/portable64.h"
+#include "common/simulator/simulator.h"
 
 namespace parloc::tools::bench {
 namespace {

@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "common/map/grid_map.h"
-#include "common/map/wall_cast.h"
+#include "common/map/rays/wall_cast.h"
 
 namespace parloc {
 

@@ -1,4 +1,4 @@
-#include "common/eval/simulator.h"
+#include "common/simulator/simulator.h"
 
 #include <fmt/format.h>
 
@@ -11,13 +11,13 @@
 #include <utility>
 
 #include "common/error.h"
-#include "common/eval/clutter.h"
-#include "common/eval/drive.h"
-#include "common/eval/simulated_walls.h"
-#include "common/eval/wheel_odometry.h"
 #include "common/math/philox.h"
 #include "common/math/portable64.h"
 #include "common/model/motion.h"
+#include "common/simulator/clutter.h"
+#include "common/simulator/drive.h"
+#include "common/simulator/simulated_walls.h"
+#include "common/simulator/wheel_odometry.h"
 
 namespace parloc {
 namespace {

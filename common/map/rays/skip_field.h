@@ -1,4 +1,4 @@
-// How far a ray may leap from a cell: the table that the skipping casters read (common/map/ray_cast.h).
+// How far a ray may leap from a cell: the table that the skipping casters read (common/map/rays/ray_cast.h).
 //
 // Along its main axis, that of the larger component of its direction, a ray crosses one grid line after the
 // other. The table says how many of these lines any ray that starts anywhere in the cell crosses before it

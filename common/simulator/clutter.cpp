@@ -1,4 +1,4 @@
-#include "common/eval/clutter.h"
+#include "common/simulator/clutter.h"
 
 #include <algorithm>
 #include <cmath>

@@ -1,4 +1,4 @@
-#include "common/map/skip_field.h"
+#include "common/map/rays/skip_field.h"
 
 #include <algorithm>
 #include <cmath>

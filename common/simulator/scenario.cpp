@@ -1,4 +1,4 @@
-#include "common/eval/scenario.h"
+#include "common/simulator/scenario.h"
 
 #include <fmt/format.h>
 

@@ -3,8 +3,8 @@
 
 #include <vector>
 
-#include "common/eval/scenario.h"
 #include "common/math/pose.h"
+#include "common/simulator/scenario.h"
 
 namespace parloc {
 

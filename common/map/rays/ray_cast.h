@@ -9,7 +9,7 @@
 
 #include <cstdint>
 
-#include "common/map/skip_field.h"
+#include "common/map/rays/skip_field.h"
 #include "common/math/host_device.h"
 #include "common/math/portable.h"
 
@@ -20,7 +20,7 @@ struct Wall {
   float ax, ay, ex, ey;
 };
 
-/// Walls that are segments, and which of them pass a cell (common/map/wall_index.h). count 0: walls are
+/// Walls that are segments, and which of them pass a cell (common/map/rays/wall_index.h). count 0: walls are
 /// cells.
 struct Walls {
   const Wall* wall = nullptr;
@@ -30,7 +30,7 @@ struct Walls {
 };
 
 /// What a ray needs of a map. `skip` points at cell (0, 0) of the first plane of a skip field
-/// (common/map/skip_field.h): how far to leap; 0 on blocking cells and on the ring around the grid.
+/// (common/map/rays/skip_field.h): how far to leap; 0 on blocking cells and on the ring around the grid.
 struct RayMap {
   const std::uint8_t* skip = nullptr;
   std::int32_t width = 0;

@@ -5,8 +5,8 @@
 #include <cstdint>
 #include <vector>
 
-#include "common/eval/scenario.h"
 #include "common/map/grid_map.h"
+#include "common/simulator/scenario.h"
 
 namespace parloc {
 

@@ -55,7 +55,7 @@ struct SimulatedLidar {
 /// How the odometry errs.
 enum class OdometryErrors {
   motion_model,  ///< As the filters' motion model has it: turn, drive, turn (SPEC 1.2).
-  wheels,        ///< As two wheels do (common/eval/wheel_odometry.h).
+  wheels,        ///< As two wheels do (common/simulator/wheel_odometry.h).
 };
 
 struct SimulatedOdometry {

@@ -9,11 +9,11 @@
 
 #include "common/error.h"
 #include "common/filter/beam_votes.h"
-#include "common/filter/bin_arrays.h"
 #include "common/filter/bind.h"
-#include "common/filter/map_tables.h"
-#include "common/filter/step_input_buffer.h"
-#include "common/filter/weighted_cloud.h"
+#include "common/filter/engine/bin_arrays.h"
+#include "common/filter/engine/map_tables.h"
+#include "common/filter/engine/step_input_buffer.h"
+#include "common/filter/engine/weighted_cloud.h"
 
 namespace parloc {
 

@@ -6,10 +6,10 @@
 #include <string>
 #include <vector>
 
-#include "common/eval/scenario.h"
 #include "common/io/log.h"
 #include "common/io/trajectory.h"
 #include "common/map/grid_map.h"
+#include "common/simulator/scenario.h"
 
 namespace parloc {
 

@@ -1,4 +1,4 @@
-#include "common/map/wall_index.h"
+#include "common/map/rays/wall_index.h"
 
 #include <algorithm>
 #include <cmath>

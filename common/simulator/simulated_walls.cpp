@@ -1,4 +1,4 @@
-#include "common/eval/simulated_walls.h"
+#include "common/simulator/simulated_walls.h"
 
 #include <algorithm>
 #include <cmath>

@@ -1,4 +1,4 @@
-#include "common/eval/wander.h"
+#include "common/simulator/wander.h"
 
 #include <fmt/format.h>
 
@@ -10,10 +10,10 @@
 #include <utility>
 
 #include "common/error.h"
-#include "common/eval/drive.h"
 #include "common/map/blocking_cells.h"
-#include "common/map/skip_field.h"
+#include "common/map/rays/skip_field.h"
 #include "common/math/philox.h"
+#include "common/simulator/drive.h"
 
 namespace parloc {
 namespace {

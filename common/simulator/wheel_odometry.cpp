@@ -1,4 +1,4 @@
-#include "common/eval/wheel_odometry.h"
+#include "common/simulator/wheel_odometry.h"
 
 #include <cmath>
 

@@ -7,8 +7,8 @@
 #include "common/filter/bind.h"
 #include "common/filter/start.h"
 #include "common/map/blocking_cells.h"
-#include "common/map/skip_field.h"
-#include "common/map/wall_index.h"
+#include "common/map/rays/skip_field.h"
+#include "common/map/rays/wall_index.h"
 
 namespace parloc {
 

@@ -1,4 +1,4 @@
-#include "common/eval/drive.h"
+#include "common/simulator/drive.h"
 
 #include <algorithm>
 #include <cmath>
