@@ -1,5 +1,7 @@
 #include "common/flow/mean_update.h"
 
+#include <type_traits>
+
 #include "cuda/flow_stages.h"
 
 namespace parloc::PARLOC_CUDA_NAMESPACE {

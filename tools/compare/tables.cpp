@@ -2,6 +2,7 @@
 
 #include <cmath>
 #include <iterator>
+#include <utility>
 
 #include "tools/compare/comparison.h"
 #include "tools/report/machine/machine.h"

@@ -4,6 +4,7 @@
 #include <array>
 #include <numbers>
 #include <optional>
+#include <utility>
 
 #include "tools/evaluate/relations_tables.h"
 #include "tools/report/html_page.h"
