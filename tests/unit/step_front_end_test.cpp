@@ -123,7 +123,7 @@ TEST_P(StepFrontEnds, StampsThatStandStillDoNoHarm) {
 INSTANTIATE_TEST_SUITE_P(All, StepFrontEnds,
                          testing::Values(Case{"particles", by_particles}, Case{"flow", by_flow},
                                          Case{"slam", by_slam}),
-                         [](const auto& info) { return info.param.name; });
+                         [](const auto& one) { return one.param.name; });
 
 // Any front end alone.
 TEST(StepFrontEnd, JumpsAreCountedAndInflated) {
