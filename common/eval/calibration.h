@@ -23,8 +23,8 @@ struct Forecast {
 /// Forecasts of one tenth of the probabilities.
 struct ReliabilityBin {
   std::size_t count = 0;
-  double forecast_mean = 0;  ///< What was said, and ...
-  double observed = 0;       ///< ... how often it came true; NaN both without a forecast.
+  double forecast_mean = 0;  ///< What was said; NaN without a forecast.
+  double observed = 0;       ///< How often it came true; NaN likewise.
 };
 
 struct Calibration {

@@ -24,8 +24,8 @@ struct BinTable {
   std::uint64_t* weight = nullptr;   ///< [capacity] of the bin; after the sums, at a root, of its cluster
   std::uint32_t* parent = nullptr;   ///< [capacity] union-find; the root has the smallest key of its cluster
   std::uint32_t* slot_of = nullptr;  ///< [N] where a particle's bin is
-  std::uint32_t* used = nullptr;     ///< [N] slots in use, in any order ...
-  std::uint64_t* used_count = nullptr;  ///< [1] ... and how many
+  std::uint32_t* used = nullptr;     ///< [N] Slots in use, in any order.
+  std::uint64_t* used_count = nullptr;  ///< [1] How many those are.
   std::uint32_t capacity = 0;
 };
 

@@ -26,8 +26,8 @@ struct KldConfig {
 
 /// What helps a filter that has lost its robot.
 struct RecoveryConfig {
-  double recovery_alpha_slow = 0.0;    ///< Rates of two running means of a scan's likelihood, per scan ...
-  double recovery_alpha_fast = 0.0;    ///< ... both 0: nothing is ever drawn from free space.
+  double recovery_alpha_slow = 0.0;    ///< Rate of a slow running mean of a scan's likelihood [1/scan].
+  double recovery_alpha_fast = 0.0;    ///< Of a fast one; both 0: nothing is ever drawn from free space.
   double recovery_margin = 2.0;        ///< The fast mean may fall below the slow one by this factor.
   double expansion_likelihood = 0.0;   ///< Likelihood per beam below which the cloud is widened; 0: never.
   int expansion_scans = 5;             ///< So many such scans in a row.

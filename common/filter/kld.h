@@ -42,7 +42,7 @@ PARLOC_HD double kld_bound(std::uint64_t bins, double pf_err, double z) {
   return __builtin_ceil(k / (2.0 * pf_err) * (b * b * b));
 }
 
-/// ... within the limits. One bin says that everything is known: the fewest.
+/// The same within the limits. One bin says that everything is known: the fewest.
 PARLOC_HD std::uint32_t kld_needed(const KldRule& rule, std::uint64_t bins) {
   if (bins <= 1) return rule.fewest;
   const double n = kld_bound(bins, rule.pf_err, rule.z);

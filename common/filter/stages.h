@@ -123,8 +123,8 @@ struct StepState {
   std::uint32_t degenerate = 0;  ///< All weights were zero.
   std::uint32_t resample = 0;    ///< N_eff < threshold * N.
   std::uint32_t best_slot = 0;   ///< Bin-table slot of the heaviest cluster's root.
-  std::uint32_t count = 0;       ///< N of the weighed particles ...
-  std::uint32_t next_count = 0;  ///< ... and of those that resampling makes of them.
+  std::uint32_t count = 0;       ///< N of the weighed particles.
+  std::uint32_t next_count = 0;  ///< N of those that resampling makes of them.
   std::uint64_t total = 0;       ///< Sum of the fixed-point weights.
   double n_eff = 0;
   LikelihoodMeans likelihood;

@@ -12,8 +12,8 @@ namespace parloc {
 
 struct StepConfig : ComputeConfig {
   std::uint64_t seed = 1;
-  double update_min_d = 0.0;  ///< Take a scan after this much translation [m] ...
-  double update_min_a = 0.0;  ///< ... or this much rotation [rad]; both 0: every scan.
+  double update_min_d = 0.0;  ///< Take a scan after this much translation [m].
+  double update_min_a = 0.0;  ///< Or after this much rotation [rad]; both 0: every scan.
   MotionConfig motion;
   ScanConfig scan;
   std::vector<LidarConfig> lidars;  ///< May be empty; in no order.

@@ -39,8 +39,8 @@ struct FlowConfig {
   double map_sigma_cells = 2.0;      ///< ekf_beams: standard deviation of a wall's place [cells].
   double beta = 0.02;                ///< ekf_beams: exponent of a beam's likelihood.
   int iterations = 3;                ///< ekf_beams.
-  double pfpf_sigma_xy = 0.005;      ///< pfpf: motion noise besides, so that its density exists [m] ...
-  double pfpf_sigma_theta = 0.005;   ///< ... [rad]
+  double pfpf_sigma_xy = 0.005;      ///< pfpf: motion noise besides, so that its density exists [m].
+  double pfpf_sigma_theta = 0.005;   ///< The same for the heading [rad].
 };
 
 }  // namespace parloc

@@ -11,8 +11,8 @@ struct LocalizeConfig {
   bool recover =
       true;  ///< Search the map when lost, and for rivals while it is not sure. Else it only says so.
   double search_after_s = 1.0;  ///< Lost for so long: fewer bad scans pass by themselves.
-  double search_every_s = 0.5;  ///< Between two searches at least, and while it is not lost also ...
-  double search_every_m = 0.3, search_every_rad = 0.3;  ///< ... this much of driving or turning.
+  double search_every_s = 0.5;  ///< Between two searches at least.
+  double search_every_m = 0.3, search_every_rad = 0.3;  ///< And this much of moving, while it is not lost.
 };
 
 struct LocalizerConfig : FilterConfig {

@@ -26,8 +26,8 @@ struct Hypothesis {
   Pose pose;               ///< Map frame.
   double score = 0.0;      ///< How close the hits end to walls, 0 to 1.
   double explained = 0.0;  ///< Share of beams that end where the map's ray does.
-  double through = 0.0;    ///< ... that go through a wall of the map.
-  double unmapped = 0.0;   ///< ... that end before the map's wall.
+  double through = 0.0;    ///< Share of beams that go through a wall of the map.
+  double unmapped = 0.0;   ///< Share of beams that end before the map's wall.
   double evidence = 0.0;   ///< What the scan says for it, against any other place [nat per beam].
   double weight = 0.0;     ///< Share among all hypotheses that were judged.
   bool as_good = false;    ///< As good as the first (which is, too).

@@ -14,8 +14,8 @@ struct SearchConfig {
   int max_headings = 1440;       ///< But there are no more headings than this; at least 72.
   double least_score = 0.4;      ///< A pose below it is no hypothesis, of 1.
   double least_share = 0.8;      ///< Nor is one below this share of the best score.
-  double separation_m = 1.0;     ///< Hypotheses differ by as much in place ...
-  double separation_rad = 0.35;  ///< ... or by as much in heading.
+  double separation_m = 1.0;     ///< Hypotheses differ by as much in place, or in heading.
+  double separation_rad = 0.35;  ///< As separation_m, for the heading.
   int candidates = 300;          ///< Separated lattice poses that rays are cast for.
   int most = 10;                 ///< Hypotheses in the answer.
   double effective_beams = 6.0;  ///< Independent beams that a scan is worth: how sharply weights differ.

@@ -39,8 +39,8 @@ struct SimulatedLidar {
   double angle_step_rad = 0.008726646259971648;  ///< 0.5 degrees.
   double range_min_m = 0.1;
   double range_max_m = 8.0;
-  double sigma_range_m = 0.02;        ///< Standard deviation of a range: sigma_range_m ...
-  double sigma_range_relative = 0.0;  ///< ... + sigma_range_relative * range.
+  double sigma_range_m = 0.02;        ///< Standard deviation of a range.
+  double sigma_range_relative = 0.0;  ///< Share of the range that is added to it.
   double dropout_probability = 0.0;
   DropoutValue dropout_value = DropoutValue::zero;
   OverRange over_range = OverRange::max;

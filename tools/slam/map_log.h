@@ -30,7 +30,7 @@ struct MapRequest {
   /// Asked before every scan, and while loops are closed; may be empty. True ends the work early.
   std::function<bool()> stop;
   std::string checkpoint;            ///< Where the state is written when the work ends early; empty: nowhere.
-  double checkpoint_every_s = 0.0;   ///< ... and how often besides, of wall time; 0: not.
+  double checkpoint_every_s = 0.0;   ///< How often besides, of wall time [s]; 0: not.
   SlamCheckpoint* resume = nullptr;  ///< Goes on from there, with `config`; the log from its beginning.
 };
 
