@@ -8,6 +8,7 @@
 #include "common/filter/particle_filter.h"
 #include "common/flow/flow_filter.h"
 #include "common/io/log.h"
+#include "common/io/open_log.h"
 #include "common/io/trajectory.h"
 #include "common/localize/localizer.h"
 #include "common/map/grid_map.h"

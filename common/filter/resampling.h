@@ -39,19 +39,29 @@ PARLOC_HD std::uint64_t stratum(std::uint64_t j, std::uint64_t r, std::uint64_t 
   return (q_high << 32) | (low / n);
 }
 
+PARLOC_EVERY_CASE
 /// The threshold in [0, total) of output slot j for the single-pass schemes.
 PARLOC_HD std::uint64_t draw_threshold(ResampleScheme scheme, std::uint64_t j, std::uint64_t n,
                                        std::uint64_t total, const RandomKey& key) {
   const std::uint32_t slot = static_cast<std::uint32_t>(j);
-  std::uint64_t v;
-  if (scheme == ResampleScheme::systematic)
-    v = stratum(j, word64(philox(0, key.step, Stream::systematic, 0, key.seed)), n);
-  else if (scheme == ResampleScheme::stratified)
-    v = stratum(j, word64(philox(slot, key.step, Stream::stratified, 0, key.seed)), n);
-  else
-    v = word64(philox(slot, key.step, Stream::multinomial, 0, key.seed));
+  std::uint64_t v = 0;
+  switch (scheme) {
+    case ResampleScheme::systematic:
+      v = stratum(j, word64(philox(0, key.step, Stream::systematic, 0, key.seed)), n);
+      break;
+    case ResampleScheme::stratified:
+      v = stratum(j, word64(philox(slot, key.step, Stream::stratified, 0, key.seed)), n);
+      break;
+    case ResampleScheme::multinomial:
+    case ResampleScheme::multinomial_linear:
+      v = word64(philox(slot, key.step, Stream::multinomial, 0, key.seed));
+      break;
+    case ResampleScheme::residual:
+      break;  // It does not ask.
+  }
   return multiply_high(v, total);
 }
+PARLOC_EVERY_CASE_END
 
 /// Residual scheme: whole copies of a particle, floor(N q / T), and what is left over (scaled down by `shift`
 /// bits where the sum of the left-overs would not fit 64 bits).

@@ -8,3 +8,13 @@
 #else
 #define PARLOC_HD inline __attribute__((always_inline))
 #endif
+
+/// Between these two a switch over an enumeration has a case for every value, or it does not compile: what is
+/// added to the enumeration must not run as something else.
+#if defined(__GNUC__) && !defined(__CUDACC__)
+#define PARLOC_EVERY_CASE _Pragma("GCC diagnostic push") _Pragma("GCC diagnostic error \"-Wswitch\"")
+#define PARLOC_EVERY_CASE_END _Pragma("GCC diagnostic pop")
+#else
+#define PARLOC_EVERY_CASE
+#define PARLOC_EVERY_CASE_END
+#endif

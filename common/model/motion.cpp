@@ -31,19 +31,23 @@ OdometryIncrement odometry_increment(const Pose& previous, const Pose& current, 
   return {rot1, trans, wrap64(turn - rot1)};
 }
 
+PARLOC_EVERY_CASE
 MotionStep motion_step(const OdometryIncrement& d, const MotionConfig& c, double inflation) {
   const double n1 = magnitude(d.rot1_rad, c.symmetric);
   const double n2 = magnitude(d.rot2_rad, c.symmetric);
   const double t = __builtin_fabs(d.trans_m);
-  double s1, st, s2;
-  if (c.form == MotionForm::seed) {
-    s1 = c.alpha1 * n1 + c.alpha2 * t;
-    st = c.alpha3 * t + c.alpha4 * (n1 + n2);
-    s2 = c.alpha1 * n2 + c.alpha2 * t;
-  } else {
-    s1 = __builtin_sqrt(c.alpha1 * n1 * n1 + c.alpha2 * t * t);
-    st = __builtin_sqrt(c.alpha3 * t * t + c.alpha4 * (n1 * n1 + n2 * n2));
-    s2 = __builtin_sqrt(c.alpha1 * n2 * n2 + c.alpha2 * t * t);
+  double s1 = 0.0, st = 0.0, s2 = 0.0;
+  switch (c.form) {
+    case MotionForm::seed:
+      s1 = c.alpha1 * n1 + c.alpha2 * t;
+      st = c.alpha3 * t + c.alpha4 * (n1 + n2);
+      s2 = c.alpha1 * n2 + c.alpha2 * t;
+      break;
+    case MotionForm::thrun:
+      s1 = __builtin_sqrt(c.alpha1 * n1 * n1 + c.alpha2 * t * t);
+      st = __builtin_sqrt(c.alpha3 * t * t + c.alpha4 * (n1 * n1 + n2 * n2));
+      s2 = __builtin_sqrt(c.alpha1 * n2 * n2 + c.alpha2 * t * t);
+      break;
   }
   const bool moves = t > 0.0 || n1 > 0.0 || n2 > 0.0;
   const double floor_rot = moves ? c.sigma_rot_min_rad : 0.0;
@@ -55,5 +59,6 @@ MotionStep motion_step(const OdometryIncrement& d, const MotionConfig& c, double
           static_cast<float>(inflation * larger(st, floor_trans)),
           static_cast<float>(inflation * larger(s2, floor_rot))};
 }
+PARLOC_EVERY_CASE_END
 
 }  // namespace parloc

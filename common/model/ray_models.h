@@ -3,6 +3,7 @@
 // holds them apart. `constant` is what a model knows of the beam besides its range.
 #pragma once
 
+#include "common/math/host_device.h"
 #include "common/math/portable.h"
 #include "common/model/sensor_config.h"
 
@@ -147,11 +148,7 @@ inline RayModels bind_ray_models(const SensorConfig& c, float range_max_m) {
   return {bind_gaussian(c), bind_s5(c, range_max_m), bind_censored(c, range_max_m)};
 }
 
-// A model of the enumeration that is missing below must not run as another one: it does not compile.
-#if defined(__GNUC__) && !defined(__CUDACC__)
-#pragma GCC diagnostic push
-#pragma GCC diagnostic error "-Wswitch"
-#endif
+PARLOC_EVERY_CASE
 /// use(the model chosen). The one list of the models that cast rays.
 template <class Use>
 PARLOC_HD auto with_ray_model(const RayModels& models, SensorModel chosen, const Use& use) {
@@ -170,8 +167,6 @@ PARLOC_HD auto with_ray_model(const RayModels& models, SensorModel chosen, const
   }
   return use(models.censored);
 }
-#if defined(__GNUC__) && !defined(__CUDACC__)
-#pragma GCC diagnostic pop
-#endif
+PARLOC_EVERY_CASE_END
 
 }  // namespace parloc

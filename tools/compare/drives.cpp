@@ -9,7 +9,7 @@
 
 #include "common/error.h"
 #include "common/eval/metrics.h"
-#include "common/io/log.h"
+#include "common/io/open_log.h"
 #include "common/simulator/drive.h"
 #include "common/simulator/simulator.h"
 
@@ -84,7 +84,7 @@ class RecordedDrives : public DriveSource {
   RecordedDrives(const DrivePlan& plan, const std::string& log, const std::string& truth)
       : plan_(plan), name_(log) {
     log_.truth = read_tum(truth);
-    const auto reader = open_carmen_log(log);
+    const auto reader = open_log(log);
     for (LogRecord record; reader->next(record);) log_.records.push_back(std::move(record));
     broken_lines_ = reader->warnings().broken_lines;
     if (std::none_of(log_.records.begin(), log_.records.end(), is_scan))

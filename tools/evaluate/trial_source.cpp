@@ -8,7 +8,7 @@
 
 #include "common/error.h"
 #include "common/eval/metrics.h"
-#include "common/io/log.h"
+#include "common/io/open_log.h"
 #include "common/simulator/wander.h"
 
 namespace parloc::tools::evaluate {
@@ -46,7 +46,7 @@ class SimulatedTrials : public TrialSource {
 class RecordedTrials : public TrialSource {
  public:
   explicit RecordedTrials(const RecordedPlan& plan) : plan_(plan), truth_(read_tum(plan.truth)) {
-    const auto log = open_carmen_log(plan.log);
+    const auto log = open_log(plan.log);
     for (LogRecord record; log->next(record);) records_.push_back(std::move(record));
     std::vector<double> stamps;
     for (const LogRecord& r : records_)

@@ -11,6 +11,7 @@
 #include "common/config/config.h"
 #include "common/error.h"
 #include "common/file/output_file.h"
+#include "common/io/open_log.h"
 #include "common/io/trajectory.h"
 #include "common/map/map_reader.h"
 #include "common/model/model_settings.h"
@@ -96,7 +97,7 @@ std::string sensor_block(const SensorConfig& s, const std::string& typed) {
 
 RangePairsOfLog collect(const LearnOptions& o, const Config& config) {
   const GridMap map = read_map(o.map);
-  const std::unique_ptr<LogReader> log = open_carmen_log(o.log);
+  const std::unique_ptr<LogReader> log = open_log(o.log);
   const Trajectory truth = read_tum(o.truth);
   Progress progress(Progress::style_here(o.quiet));
   return collect_range_pairs(map, *log, truth, config, [&](double fraction) {

@@ -16,6 +16,7 @@
 #include "common/error.h"
 #include "common/file/output_file.h"
 #include "common/filter/filter_settings.h"
+#include "common/io/open_log.h"
 #include "common/io/scan_file.h"
 #include "common/model/beams.h"
 #include "common/model/lidar.h"
@@ -103,7 +104,7 @@ ChosenScan scan_of_log(const LocateOptions& o) {
   const auto number = o.number.empty() ? 0 : parse_whole_number<std::size_t>("--scan-number", o.number);
   if (!o.number.empty() && number == 0)
     throw Error(ErrorKind::usage, "--scan-number: expected a whole number from 1 up, got '0'");
-  const auto log = open_carmen_log(o.log);
+  const auto log = open_log(o.log);
   std::size_t seen = 0;
   double first_s = 0.0;
   for (LogRecord record; log->next(record);) {

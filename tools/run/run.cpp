@@ -16,6 +16,7 @@
 #include "common/eval/metrics.h"
 #include "common/file/output_file.h"
 #include "common/filter/filter_settings.h"
+#include "common/io/open_log.h"
 #include "common/map/map_reader.h"
 #include "tools/program/choice_option.h"
 #include "tools/program/commands.h"
@@ -145,7 +146,7 @@ int run(const RunOptions& o, const std::string& typed) {
   request.odometry_only = o.odometry_only;
   request.start = start_of(o, request.config);
   const GridMap map = read_map(o.map);
-  const std::unique_ptr<LogReader> log = open_carmen_log(o.log);
+  const std::unique_ptr<LogReader> log = open_log(o.log);
   if (!o.truth.empty()) request.truth = read_tum(o.truth);
   const std::vector<Relation> relations =
       o.relations.empty() ? std::vector<Relation>{} : read_relations(o.relations);

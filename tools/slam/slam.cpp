@@ -13,6 +13,7 @@
 #include "common/error.h"
 #include "common/file/output_file.h"
 #include "common/filter/filter_settings.h"
+#include "common/io/open_log.h"
 #include "common/map/map_reader.h"
 #include "common/slam/slam_settings.h"
 #include "tools/program/choice_option.h"
@@ -140,7 +141,7 @@ int run(const SlamOptions& o, const std::string& typed) {
   request.log_name = o.log;
   request.odometry_chosen = !checkpoint && slam::choose_odometry(o.log, request.config);
   if (request.odometry_chosen) fmt::print(stderr, "parloc: {}: {}\n", o.log, slam::kOdometryFromScans);
-  const std::unique_ptr<LogReader> log = open_carmen_log(o.log);
+  const std::unique_ptr<LogReader> log = open_log(o.log);
   const std::vector<Relation> relations =
       o.relations.empty() ? std::vector<Relation>{} : read_relations(o.relations);
   const Trajectory truth = o.truth.empty() ? Trajectory{} : read_tum(o.truth);
