@@ -98,7 +98,7 @@ class WallSearch {
       if (cell < 0) continue;
       for (std::uint32_t w = walls.first[cell]; w < walls.first[cell + 1]; ++w) {
         std::memcpy(look_.pair_ray + 4 * pairs, look_.ray + 4 * k, 4 * sizeof(float));
-        std::memcpy(look_.pair_wall + 4 * pairs, walls.wall + walls.id[w], sizeof(Wall));
+        std::memcpy(look_.pair_wall + 4 * pairs, walls.wall + walls.id[w], sizeof(RayWall));
         look_.pair_owner[pairs] = static_cast<std::uint32_t>(k);
         if (++pairs == kPairs) hit_pairs(pairs), pairs = 0;
       }

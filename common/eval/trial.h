@@ -59,7 +59,7 @@ struct TrialSample {
   bool searched = false;  ///< The whole map was searched in this step.
   double nees = 0.0;
   double particles = 0.0;
-  double step_ms = 0.0;  ///< Wall time.
+  double step_ms = 0.0;  ///< RayWall time.
 };
 
 struct TrialOutcome {

@@ -1,4 +1,4 @@
-// Segment maps in GeoJSON (RFC 7946), its coordinates taken as metres of the map frame.
+// GridWall maps in GeoJSON (RFC 7946), its coordinates taken as metres of the map frame.
 #include <fmt/format.h>
 
 #include <algorithm>

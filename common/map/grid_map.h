@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "common/map/segment.h"
+#include "common/map/grid_wall.h"
 #include "common/math/pose.h"
 
 namespace parloc {
@@ -23,7 +23,7 @@ struct GridMap {
   std::vector<Cell> cells;  ///< width * height.
   /// If not empty, what rays end at, exactly; the cells are then a picture of it: occupied where a wall
   /// passes.
-  std::vector<Segment> walls;
+  std::vector<GridWall> walls;
   std::string name;  ///< Where it came from, for messages and reports.
 
   std::size_t size() const { return cells.size(); }

@@ -66,7 +66,7 @@ bool fills(const CellBox& enclosed, const CellBox& walls) {
 
 bool rasterise_walls(GridMap& map) {
   map.cells.assign(static_cast<std::size_t>(map.width) * static_cast<std::size_t>(map.height), Cell::free);
-  for (const Segment& wall : map.walls) {
+  for (const GridWall& wall : map.walls) {
     for_each_touched_cell(map, wall, [&](std::int32_t i, std::int32_t j) {
       map.cells[static_cast<std::size_t>(j) * static_cast<std::size_t>(map.width) +
                 static_cast<std::size_t>(i)] = Cell::occupied;
@@ -80,7 +80,7 @@ bool rasterise_walls(GridMap& map) {
 
 double raster_error_m(const GridMap& map) {
   std::vector<float> nearest(map.size(), std::numeric_limits<float>::infinity());
-  for (const Segment& wall : map.walls) {
+  for (const GridWall& wall : map.walls) {
     const double dx = double{wall.bx} - wall.ax, dy = double{wall.by} - wall.ay, square = dx * dx + dy * dy;
     for_each_touched_cell(map, wall, [&](std::int32_t i, std::int32_t j) {
       const double x = (i + 0.5) * map.resolution_m - wall.ax, y = (j + 0.5) * map.resolution_m - wall.ay;

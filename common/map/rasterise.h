@@ -13,7 +13,7 @@ namespace parloc {
 /// Calls visit(i, j) for every cell of the grid that the segment touches, be it at a corner (its supercover),
 /// row by row. A cell that it misses by no more than two millionths of a cell may count as touched.
 template <class Visit>
-void for_each_touched_cell(const GridMap& map, const Segment& wall, Visit&& visit) {
+void for_each_touched_cell(const GridMap& map, const GridWall& wall, Visit&& visit) {
   constexpr double kNear = 1e-6;  // covers the rounding below
   const double scale = 1.0 / map.resolution_m;
   double ax = wall.ax * scale, ay = wall.ay * scale, bx = wall.bx * scale, by = wall.by * scale;

@@ -28,9 +28,9 @@ struct Box {
   double high_x = -low_x, high_y = -low_x;
 };
 
-Box box_of(const std::vector<WallLine>& lines) {
+Box box_of(const std::vector<MapWall>& lines) {
   Box box;
-  for (const WallLine& line : lines) {
+  for (const MapWall& line : lines) {
     for (const MapPoint& p : {line.a, line.b}) {
       box.low_x = std::min(box.low_x, p.x_m), box.high_x = std::max(box.high_x, p.x_m);
       box.low_y = std::min(box.low_y, p.y_m), box.high_y = std::max(box.high_y, p.y_m);
@@ -72,14 +72,14 @@ GridMap empty_grid(const SegmentMap& segments, const std::string& name) {
   return map;
 }
 
-Segment in_grid(const WallLine& line, const Pose& origin) {
+GridWall in_grid(const MapWall& line, const Pose& origin) {
   return {static_cast<float>(line.a.x_m - origin.x_m), static_cast<float>(line.a.y_m - origin.y_m),
           static_cast<float>(line.b.x_m - origin.x_m), static_cast<float>(line.b.y_m - origin.y_m)};
 }
 
 /// The ends of a segment, the smaller one first: the same for both directions.
 using Ends = std::array<float, 4>;
-Ends ends_of(const Segment& s) {
+Ends ends_of(const GridWall& s) {
   return std::pair(s.ax, s.ay) < std::pair(s.bx, s.by) ? Ends{s.ax, s.ay, s.bx, s.by}
                                                        : Ends{s.bx, s.by, s.ax, s.ay};
 }
@@ -105,11 +105,11 @@ PlacedSegments place_segments(const SegmentMap& segments, const std::string& nam
   if (segments.lines.empty()) throw input_error(name, 0, "expected at least one segment, found none");
   PlacedSegments placed;
   placed.map = empty_grid(segments, name);
-  std::vector<Segment>& walls = placed.map.walls;
+  std::vector<GridWall>& walls = placed.map.walls;
   walls.reserve(segments.lines.size());
   std::unordered_set<Ends, EndsHash> seen(segments.lines.size());
-  for (const WallLine& line : segments.lines) {
-    const Segment wall = in_grid(line, placed.map.T_map_grid);
+  for (const MapWall& line : segments.lines) {
+    const GridWall wall = in_grid(line, placed.map.T_map_grid);
     if (wall.ax == wall.bx && wall.ay == wall.by) {
       ++placed.zero_length;
     } else if (!seen.insert(ends_of(wall)).second) {

@@ -22,7 +22,7 @@ struct MapPoint {
 };
 
 /// A straight wall from a to b in the map frame.
-struct WallLine {
+struct MapWall {
   MapPoint a, b;
 };
 
@@ -30,7 +30,7 @@ struct WallLine {
 struct SegmentMap {
   std::string name;            ///< As the file names itself; may be empty.
   double resolution_m = 0.05;  ///< Of the grid that is made of it.
-  std::vector<WallLine> lines;
+  std::vector<MapWall> lines;
 };
 
 /// Whether a text is a segment file (YAML or GeoJSON) rather than the YAML file of a map_server map. `path`
@@ -54,7 +54,7 @@ SegmentMap read_segment_map(const std::string& path);
 /// A segment map as what everything else works on, and what was left out of it.
 struct PlacedSegments {
   GridMap map;
-  std::size_t zero_length = 0;  ///< Both ends the same, in the precision of a Segment.
+  std::size_t zero_length = 0;  ///< Both ends the same, in the precision of a GridWall.
   std::size_t duplicates = 0;   ///< The same ends as an earlier one, in either order.
   bool enclosed = false;        ///< The walls form a closed ring: outside of it is unknown, else free.
 };

@@ -1,4 +1,4 @@
-// Segment maps as YAML and as GeoJSON, in the map frame.
+// GridWall maps as YAML and as GeoJSON, in the map frame.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -62,7 +62,7 @@ void for_each_chain(const GridMap& map, Take&& take) {
     if (!chain.points.empty()) take(std::as_const(chain));
     chain = {};
   };
-  for (const Segment& wall : map.walls) {
+  for (const GridWall& wall : map.walls) {
     const bool joins = !chain.points.empty() && !chain.closed && chain.points.back().x == wall.ax &&
                        chain.points.back().y == wall.ay;
     if (!joins) {

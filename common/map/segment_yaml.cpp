@@ -1,4 +1,4 @@
-// Segment maps in YAML: lists of segments, polylines and polygons.
+// GridWall maps in YAML: lists of segments, polylines and polygons.
 #include <fmt/format.h>
 
 #include <algorithm>

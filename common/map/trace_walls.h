@@ -10,9 +10,9 @@ namespace parloc {
 
 /// Chains of walls, each wall beginning where the one before it ends, or a new chain.
 struct TracedWalls {
-  std::vector<Segment> walls;  ///< In the frame of the grid.
-  std::size_t faces = 0;       ///< Straight runs of cell faces, before they were simplified.
-  double error_m = 0.0;        ///< What simplifying cost, measured: at most what was allowed.
+  std::vector<GridWall> walls;  ///< In the frame of the grid.
+  std::size_t faces = 0;        ///< Straight runs of cell faces, before they were simplified.
+  double error_m = 0.0;         ///< What simplifying cost, measured: at most what was allowed.
 };
 
 /// The faces between blocking cells and others inside the grid, straight runs of them merged: what a ray in

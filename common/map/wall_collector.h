@@ -31,7 +31,7 @@ class WallCollector {
     return coordinate_m;
   }
 
-  void add_segment(const WallLine& line) {
+  void add_segment(const MapWall& line) {
     if (lines_.size() >= kMostSegments)
       throw BrokenWall{fmt::format("expected at most {} segments, found more", kMostSegments)};
     lines_.push_back(line);
@@ -56,13 +56,13 @@ class WallCollector {
     add_polyline(points);
   }
 
-  std::vector<WallLine> take() {
+  std::vector<MapWall> take() {
     if (lines_.empty()) throw BrokenWall{"expected at least one segment, found none"};
     return std::move(lines_);
   }
 
  private:
-  std::vector<WallLine> lines_;
+  std::vector<MapWall> lines_;
 };
 
 }  // namespace parloc

@@ -12,7 +12,7 @@ namespace {
 constexpr double kNone = std::numeric_limits<double>::infinity();
 constexpr double kSlack_m = 1e-9;
 
-double hit(const Segment& s, const Pose& ray, const SinCos64& d) {
+double hit(const GridWall& s, const Pose& ray, const SinCos64& d) {
   // The wall as the ray sees it: x along the ray, y across.
   const auto along = [&](double x, double y) { return (x - ray.x_m) * d.cos + (y - ray.y_m) * d.sin; };
   const auto across = [&](double x, double y) { return (y - ray.y_m) * d.cos - (x - ray.x_m) * d.sin; };
@@ -29,11 +29,11 @@ double hit(const Segment& s, const Pose& ray, const SinCos64& d) {
 
 }  // namespace
 
-std::optional<double> cast_at_walls(const std::vector<Segment>& walls, const Pose& T_grid_ray,
+std::optional<double> cast_at_walls(const std::vector<GridWall>& walls, const Pose& T_grid_ray,
                                     double range_max_m) {
   const SinCos64 direction = portable_sincos64(T_grid_ray.theta_rad);
   double nearest = kNone;
-  for (const Segment& s : walls) nearest = std::min(nearest, hit(s, T_grid_ray, direction));
+  for (const GridWall& s : walls) nearest = std::min(nearest, hit(s, T_grid_ray, direction));
   if (!(nearest < range_max_m)) return std::nullopt;
   return nearest;
 }

@@ -4,7 +4,7 @@
 #include <optional>
 #include <vector>
 
-#include "common/map/segment.h"
+#include "common/map/grid_wall.h"
 #include "common/math/pose.h"
 
 namespace parloc {
@@ -13,7 +13,7 @@ namespace parloc {
 /// its heading; nothing if it is beyond range_max_m. float64, all walls tried one by one, written apart from
 /// the filter's casters on purpose. Ends belong to a wall; a ray along a wall meets its nearer end, or is at
 /// 0 if it starts within.
-std::optional<double> cast_at_walls(const std::vector<Segment>& walls, const Pose& T_grid_ray,
+std::optional<double> cast_at_walls(const std::vector<GridWall>& walls, const Pose& T_grid_ray,
                                     double range_max_m);
 
 }  // namespace parloc

@@ -3,7 +3,7 @@
 //   ./flow_bench [--benchmark_filter=step/naedh/cpu/particles:100] [--benchmark_repetitions=5]
 // The place is that of stage_bench: the hall with obstacles, an 8 m LiDAR of 270 degrees, a scan simulated
 // against the map of 1 cm; 360 of its beams. The robot goes to and fro by 5 cm, so that every iteration has
-// motion and starts near where the one before began. Wall clock.
+// motion and starts near where the one before began. RayWall clock.
 #include <benchmark/benchmark.h>
 
 #include <string>

@@ -4,7 +4,8 @@
 // have the maps that were made on the way there: each particle beside the true path by its own 2 cm and half
 // a degree, resampled at every fifth scan that was taken in. Before every iteration everything that decides
 // the work of the next one is restored, outside the clock; only random numbers are new. Cells go on counting,
-// and are halved when they are full. Wall clock; some minutes for all, on a machine with nothing else to do.
+// and are halved when they are full. RayWall clock; some minutes for all, on a machine with nothing else to
+// do.
 #include <benchmark/benchmark.h>
 
 #include <algorithm>

@@ -22,7 +22,7 @@ inline void require(bool holds) {
 inline bool small(const SegmentMap& segments) {
   constexpr double kMostCells = 500.0;
   double low = 1e9, high = -1e9;
-  for (const WallLine& line : segments.lines) {
+  for (const MapWall& line : segments.lines) {
     for (const double v : {line.a.x_m, line.a.y_m, line.b.x_m, line.b.y_m})
       low = std::min(low, v), high = std::max(high, v);
   }
@@ -34,7 +34,7 @@ inline void check_placed(const SegmentMap& segments) {
   const GridMap& map = placed.map;
   require(map.walls.size() + placed.zero_length + placed.duplicates == segments.lines.size());
   require(map.size() == static_cast<std::size_t>(map.width) * static_cast<std::size_t>(map.height));
-  for (const Segment& wall : map.walls) {
+  for (const GridWall& wall : map.walls) {
     const auto i = static_cast<int>(wall.ax / map.resolution_m),
                j = static_cast<int>(wall.ay / map.resolution_m);
     require(map.contains(i, j) && map.at(i, j) == Cell::occupied);
@@ -50,7 +50,7 @@ inline void check_segments(SegmentReader read, const std::string& text) {
     const SegmentMap segments = read(text, "fuzz");
     require(!segments.lines.empty() && segments.lines.size() <= text.size());
     require(segments.resolution_m > 0.0 && std::isfinite(segments.resolution_m));
-    for (const WallLine& line : segments.lines) {
+    for (const MapWall& line : segments.lines) {
       for (const double v : {line.a.x_m, line.a.y_m, line.b.x_m, line.b.y_m})
         require(std::fabs(v) <= kFarthestWall_m);
     }

@@ -20,7 +20,7 @@ namespace {
 
 /// How far the closed cell is from the segment, both in cells: 0 if they touch. By the separating axes: the
 /// largest gap between their shadows on the axes and on the segment's normal.
-double gap(double i, double j, const Segment& s) {
+double gap(double i, double j, const GridWall& s) {
   const double dx = double{s.bx} - s.ax, dy = double{s.by} - s.ay, length = std::hypot(dx, dy);
   const double on_x = std::max(i - std::max(s.ax, s.bx), std::min(s.ax, s.bx) - (i + 1));
   const double on_y = std::max(j - std::max(s.ay, s.by), std::min(s.ay, s.by) - (j + 1));
@@ -33,7 +33,7 @@ double gap(double i, double j, const Segment& s) {
 }
 
 /// Cells of 1 m, so that metres are cells.
-GridMap grid_of(std::int32_t width, std::int32_t height, std::vector<Segment> walls) {
+GridMap grid_of(std::int32_t width, std::int32_t height, std::vector<GridWall> walls) {
   GridMap map;
   map.width = width, map.height = height, map.resolution_m = 1.0;
   map.walls = std::move(walls);
@@ -41,7 +41,7 @@ GridMap grid_of(std::int32_t width, std::int32_t height, std::vector<Segment> wa
   return map;
 }
 
-void expect_supercover(const Segment& wall) {
+void expect_supercover(const GridWall& wall) {
   GridMap map = grid_of(24, 20, {wall});
   for_each_touched_cell(map, wall, [&](int i, int j) { map.cells[j * map.width + i] = Cell::occupied; });
   for (int j = 0; j < map.height; ++j) {
@@ -70,7 +70,7 @@ TEST(Rasterise, EqualsBruteForceThroughCornersAndAlongEdges) {
     std::uniform_int_distribution<int> x(2 * parts, 22 * parts), y(2 * parts, 18 * parts);
     for (int k = 0; k < 1000 && !HasFailure(); ++k) {
       const auto at = [&](auto& d) { return static_cast<float>(d(random)) / static_cast<float>(parts); };
-      const Segment wall = {at(x), at(y), at(x), at(y)};
+      const GridWall wall = {at(x), at(y), at(x), at(y)};
       if (wall.ax != wall.bx || wall.ay != wall.by) expect_supercover(wall);
     }
   }
@@ -92,7 +92,7 @@ TEST(Rasterise, ErrorIsThatOfTheFarthestCell) {
       for (int i = 0; i < map.width; ++i) {
         if (map.at(i, j) != Cell::occupied) continue;
         double nearest = 1e9;
-        for (const Segment& s : map.walls) {
+        for (const GridWall& s : map.walls) {
           for (int step = 0; step <= 2000; ++step) {
             const double t = step / 2000.0;
             nearest = std::min(
@@ -107,7 +107,7 @@ TEST(Rasterise, ErrorIsThatOfTheFarthestCell) {
   }
 }
 
-std::vector<Segment> ring(float x, float y, float width, float height) {
+std::vector<GridWall> ring(float x, float y, float width, float height) {
   return {{x, y, x + width, y},
           {x + width, y, x + width, y + height},
           {x + width, y + height, x, y + height},
@@ -127,8 +127,8 @@ TEST(Rasterise, OutsideOfAClosedRingIsUnknown) {
 }
 
 TEST(Rasterise, ARingInARingIsFreeInside) {
-  std::vector<Segment> walls = ring(3.5f, 3.5f, 12, 8);
-  for (const Segment& wall : ring(6.5f, 6.5f, 4, 3)) walls.push_back(wall);
+  std::vector<GridWall> walls = ring(3.5f, 3.5f, 12, 8);
+  for (const GridWall& wall : ring(6.5f, 6.5f, 4, 3)) walls.push_back(wall);
   GridMap map = grid_of(20, 16, walls);
   EXPECT_TRUE(rasterise_walls(map));
   EXPECT_EQ(map.at(4, 4), Cell::free);
@@ -146,22 +146,22 @@ TEST(Rasterise, ADiagonalRingHoldsToo) {
 }
 
 TEST(Rasterise, WithoutARingAllThatIsNotWallIsFree) {
-  const auto no_unknown = [](std::vector<Segment> walls) {
+  const auto no_unknown = [](std::vector<GridWall> walls) {
     GridMap map = grid_of(40, 40, std::move(walls));
     EXPECT_FALSE(rasterise_walls(map));
     EXPECT_EQ(std::count(map.cells.begin(), map.cells.end(), Cell::unknown), 0);
     EXPECT_GT(std::count(map.cells.begin(), map.cells.end(), Cell::occupied), 0);
   };
-  std::vector<Segment> court = ring(4.5f, 4.5f, 30, 30);
+  std::vector<GridWall> court = ring(4.5f, 4.5f, 30, 30);
   court.pop_back();
   no_unknown(court);
-  std::vector<Segment> court_with_pillar = court;
-  for (const Segment& wall : ring(15.5f, 15.5f, 4, 4)) court_with_pillar.push_back(wall);
+  std::vector<GridWall> court_with_pillar = court;
+  for (const GridWall& wall : ring(15.5f, 15.5f, 4, 4)) court_with_pillar.push_back(wall);
   no_unknown(court_with_pillar);
   // A court with a door whose walls have a thickness: only the inside of the walls is enclosed.
-  std::vector<Segment> thick = ring(4.5f, 4.5f, 30, 2);
-  for (const Segment& wall : ring(4.5f, 4.5f, 2, 30)) thick.push_back(wall);
-  for (const Segment& wall : ring(32.5f, 4.5f, 2, 30)) thick.push_back(wall);
+  std::vector<GridWall> thick = ring(4.5f, 4.5f, 30, 2);
+  for (const GridWall& wall : ring(4.5f, 4.5f, 2, 30)) thick.push_back(wall);
+  for (const GridWall& wall : ring(32.5f, 4.5f, 2, 30)) thick.push_back(wall);
   no_unknown(thick);
 }
 

@@ -1,4 +1,4 @@
-// Segment maps: the YAML and GeoJSON readers, and the grid that is made of the walls.
+// GridWall maps: the YAML and GeoJSON readers, and the grid that is made of the walls.
 #include "common/map/segment_map.h"
 
 #include <gtest/gtest.h>
@@ -45,9 +45,9 @@ void expect_part(const std::string& message, const std::string& part) {
 }
 
 /// "ax ay bx by" per line.
-std::string text_of(const std::vector<WallLine>& lines) {
+std::string text_of(const std::vector<MapWall>& lines) {
   std::string text;
-  for (const WallLine& l : lines) {
+  for (const MapWall& l : lines) {
     char row[120];
     std::snprintf(row, sizeof row, "%g %g %g %g\n", l.a.x_m, l.a.y_m, l.b.x_m, l.b.y_m);
     text += row;
@@ -288,7 +288,7 @@ TEST(PlacedSegments, ZeroLengthAndDuplicatesAreDroppedAndCounted) {
                            {{2, 2}, {2, 2}},
                            {{1, 0}, {0, 0}},
                            {{0, 0}, {1, 0}},
-                           {{0, 0}, {1, 1e-9}},  // the same in the precision of a Segment
+                           {{0, 0}, {1, 1e-9}},  // the same in the precision of a GridWall
                            {{1, 1}, {1, 1 + 1e-12}},
                            {{0, 0}, {0.5, 0}}}};  // a part of another, which is no duplicate
   const PlacedSegments placed = place_segments(map, "walls");

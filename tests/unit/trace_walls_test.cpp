@@ -60,10 +60,10 @@ std::multiset<Face> faces_of_cells(const GridMap& map, bool unknown_blocks) {
   return faces;
 }
 
-std::multiset<Face> faces_of_walls(const std::vector<Segment>& walls, double resolution_m) {
+std::multiset<Face> faces_of_walls(const std::vector<GridWall>& walls, double resolution_m) {
   std::multiset<Face> faces;
   const auto corner = [&](float metres) { return static_cast<int>(std::lround(metres / resolution_m)); };
-  for (const Segment& w : walls) {
+  for (const GridWall& w : walls) {
     const int x0 = corner(std::min(w.ax, w.bx)), x1 = corner(std::max(w.ax, w.bx));
     const int y0 = corner(std::min(w.ay, w.by)), y1 = corner(std::max(w.ay, w.by));
     EXPECT_TRUE((x0 == x1) != (y0 == y1));
@@ -74,9 +74,9 @@ std::multiset<Face> faces_of_walls(const std::vector<Segment>& walls, double res
 }
 
 /// No wall goes on where another one ends, in the same direction.
-bool merged(const std::vector<Segment>& walls) {
-  for (const Segment& a : walls) {
-    for (const Segment& b : walls) {
+bool merged(const std::vector<GridWall>& walls) {
+  for (const GridWall& a : walls) {
+    for (const GridWall& b : walls) {
       const bool follows = a.bx == b.ax && a.by == b.ay;
       const float cross = (a.bx - a.ax) * (b.by - b.ay) - (a.by - a.ay) * (b.bx - b.ax);
       const float along = (a.bx - a.ax) * (b.bx - b.ax) + (a.by - a.ay) * (b.by - b.ay);
@@ -92,7 +92,7 @@ TEST(TraceWalls, SmallMapHasTwelve) {
   EXPECT_EQ(traced.faces, 12u);
   EXPECT_EQ(traced.error_m, 0.0);
   // The room's lower side, from corner to corner.
-  const auto lower = std::count_if(traced.walls.begin(), traced.walls.end(), [](const Segment& w) {
+  const auto lower = std::count_if(traced.walls.begin(), traced.walls.end(), [](const GridWall& w) {
     return w.ay == 0.5f && w.by == 0.5f && std::min(w.ax, w.bx) == 0.5f && std::max(w.ax, w.bx) == 4.5f;
   });
   EXPECT_EQ(lower, 1);
@@ -129,22 +129,22 @@ TEST(TraceWalls, TheRimIsNoFace) {
 
 // ---- simplified walls ---------------------------------------------------------------------------------
 
-double distance(double x, double y, const Segment& s) {
+double distance(double x, double y, const GridWall& s) {
   const double dx = double{s.bx} - s.ax, dy = double{s.by} - s.ay;
   const double t = std::clamp(((x - s.ax) * dx + (y - s.ay) * dy) / (dx * dx + dy * dy), 0.0, 1.0);
   return std::hypot(x - s.ax - t * dx, y - s.ay - t * dy);
 }
 
 /// The largest distance of a point of `from`, sampled every 2 cm and at both ends, to the nearest of `to`.
-double farthest(const std::vector<Segment>& from, const std::vector<Segment>& to) {
+double farthest(const std::vector<GridWall>& from, const std::vector<GridWall>& to) {
   double worst = 0.0;
-  for (const Segment& s : from) {
+  for (const GridWall& s : from) {
     const int steps = 1 + static_cast<int>(std::hypot(s.bx - s.ax, s.by - s.ay) / 0.02);
     for (int k = 0; k <= steps; ++k) {
       const double t = static_cast<double>(k) / steps;
       const double x = s.ax + t * (s.bx - s.ax), y = s.ay + t * (s.by - s.ay);
       double nearest = 1e9;
-      for (const Segment& other : to) nearest = std::min(nearest, distance(x, y, other));
+      for (const GridWall& other : to) nearest = std::min(nearest, distance(x, y, other));
       worst = std::max(worst, nearest);
     }
   }
@@ -188,7 +188,7 @@ TEST(TraceWalls, SimplifiedWallsStayWithinTheStatedError) {
 TEST(TraceWalls, NothingVanishes) {
   const TracedWalls traced = trace_walls(grid_from_text({".....", ".#...", ".....", "...##"}, 0.1), 10.0);
   EXPECT_EQ(traced.walls.size(), 2u);  // the block's diagonal, and one line for what touches the rim
-  for (const Segment& w : traced.walls) EXPECT_GT(std::hypot(w.bx - w.ax, w.by - w.ay), 0.09);
+  for (const GridWall& w : traced.walls) EXPECT_GT(std::hypot(w.bx - w.ax, w.by - w.ay), 0.09);
 }
 
 TEST(TraceWalls, ANegativeErrorIsRefused) {
@@ -211,9 +211,9 @@ TEST(Simplify, KeepsWhatItMust) {
 
 // ---- files --------------------------------------------------------------------------------------------
 
-std::multiset<Face> rounded(const std::vector<Segment>& walls) {
+std::multiset<Face> rounded(const std::vector<GridWall>& walls) {
   std::multiset<Face> all;
-  for (const Segment& w : walls) {
+  for (const GridWall& w : walls) {
     const auto mm = [](float m) { return static_cast<int>(std::lround(1000.0 * m)); };
     Face face = {mm(w.ax), mm(w.ay), mm(w.bx), mm(w.by)};
     if (std::pair(face[2], face[3]) < std::pair(face[0], face[1]))
@@ -223,9 +223,9 @@ std::multiset<Face> rounded(const std::vector<Segment>& walls) {
   return all;
 }
 
-std::multiset<std::array<float, 4>> exactly(const std::vector<Segment>& walls) {
+std::multiset<std::array<float, 4>> exactly(const std::vector<GridWall>& walls) {
   std::multiset<std::array<float, 4>> all;
-  for (const Segment& w : walls) all.insert({w.ax, w.ay, w.bx, w.by});
+  for (const GridWall& w : walls) all.insert({w.ax, w.ay, w.bx, w.by});
   return all;
 }
 
@@ -299,7 +299,7 @@ TEST(SegmentFiles, TracedWallsOfATurnedGridLandWhereTheyWere) {
   const GridMap back = read_map(file.path());
   GridMap turned = map;  // the walls that were read, in the frame of the old grid
   turned.walls.clear();
-  for (const Segment& w : back.walls) {
+  for (const GridWall& w : back.walls) {
     const Pose a = relative(compose(back.T_map_grid, {w.ax, w.ay, 0}), map.T_map_grid);
     const Pose b = relative(compose(back.T_map_grid, {w.bx, w.by, 0}), map.T_map_grid);
     turned.walls.push_back({static_cast<float>(a.x_m), static_cast<float>(a.y_m), static_cast<float>(b.x_m),

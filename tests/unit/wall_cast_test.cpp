@@ -23,7 +23,7 @@ Ray ray_at(float u, float v, float angle_rad) {
   return beam_ray(u, v, h.cos, h.sin, 1.0f, 0.0f);
 }
 
-Wall wall(float ax, float ay, float bx, float by) {
+RayWall wall(float ax, float ay, float bx, float by) {
   return {ax, ay, bx - ax, by - ay};
 }
 
@@ -58,7 +58,7 @@ TEST(WallHit, AgreesWithFloat64) {
   int hits = 0;
   for (int k = 0; k < 200000; ++k) {
     const Ray r = ray_at(place(random), place(random), angle(random));
-    const Wall w = wall(place(random), place(random), place(random), place(random));
+    const RayWall w = wall(place(random), place(random), place(random), place(random));
     const double dx = r.dx, dy = r.dy, x = double{w.ax} - r.u, y = double{w.ay} - r.v;
     const double det = dx * w.ey - dy * w.ex, share = (x * dy - y * dx) / det;
     const double t = (x * w.ey - y * w.ex) / det;
@@ -124,7 +124,7 @@ TEST(CastWalls, FindsWhatTryingEveryWallFinds) {
       if (k % 11 == 0) heading = static_cast<float>(k % 8) * kPi / 4;
       Ray r = ray_at(start_u, start_v, heading);
       if (k % 3 == 0) {  // at an end of a wall, or along it
-        const Wall& w = at.index.walls[random() % at.index.walls.size()];
+        const RayWall& w = at.index.walls[random() % at.index.walls.size()];
         const float dx = w.ax - start_u, dy = w.ay - start_v, length = std::hypot(dx, dy);
         if (length > 0) r = make_ray(start_u, start_v, dx / length, dy / length);
         const float own = std::hypot(w.ex, w.ey);
@@ -156,7 +156,7 @@ TEST(CastWalls, NoRaySlipsThroughACornerOfAClosedRoom) {
   std::uniform_real_distribution<float> inside(140.0f, 260.0f);
   for (int k = 0; k < 200000; ++k) {
     const float u = inside(random), v = inside(random);
-    const Wall& w = at.index.walls[random() % at.index.walls.size()];
+    const RayWall& w = at.index.walls[random() % at.index.walls.size()];
     const float length = std::hypot(w.ax - u, w.ay - v);
     const Ray r = make_ray(u, v, (w.ax - u) / length, (w.ay - v) / length);
     ASSERT_NEAR(cast_walls(at.ray_map, r, 1000.0f), length, 1e-3f) << k;
@@ -167,7 +167,7 @@ TEST(IndexWalls, ListsEveryWallInTheCellsOfItsPoints) {
   const GridMap map = random_walls(1, 300);
   const WallIndex index = index_walls(map);
   for (std::size_t k = 0; k < index.walls.size(); ++k) {
-    const Wall& w = index.walls[k];
+    const RayWall& w = index.walls[k];
     for (int s = 0; s <= 1000; ++s) {
       const float share = static_cast<float>(s) / 1000.0f;
       const int i = std::min(static_cast<int>(w.ax + share * w.ex), map.width - 1);

@@ -38,7 +38,7 @@ struct FilterRun {
   std::size_t scans = 0;       ///< Taken in or not.
   std::size_t skipped = 0;     ///< Scans that changed nothing.
   double driven_s = 0.0;       ///< From the first scan to the last.
-  double working_s = 0.0;      ///< Wall time of all steps but the first, which warms up.
+  double working_s = 0.0;      ///< RayWall time of all steps but the first, which warms up.
   std::vector<double> step_s;  ///< Of each of them that took its scan in.
 
   bool lost() const { return !(final_m <= kLost_m); }

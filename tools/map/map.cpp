@@ -50,7 +50,7 @@ void print_span(const char* name, const GridMap& map, const std::vector<MapPoint
 void print_walls(const GridMap& map, const SegmentFacts& facts) {
   double shortest_m = std::numeric_limits<double>::infinity(), longest_m = 0.0;
   std::vector<MapPoint> ends;
-  for (const Segment& w : map.walls) {
+  for (const GridWall& w : map.walls) {
     const double length_m = std::hypot(double{w.bx} - w.ax, double{w.by} - w.ay);
     shortest_m = std::min(shortest_m, length_m), longest_m = std::max(longest_m, length_m);
     ends.insert(ends.end(), {{w.ax, w.ay}, {w.bx, w.by}});

@@ -23,7 +23,7 @@ LoadedMap load_map(const std::string& path, std::optional<double> resolution_m) 
 
 double total_length_m(const GridMap& map) {
   double sum_m = 0.0;
-  for (const Segment& w : map.walls) sum_m += std::hypot(double{w.bx} - w.ax, double{w.by} - w.ay);
+  for (const GridWall& w : map.walls) sum_m += std::hypot(double{w.bx} - w.ax, double{w.by} - w.ay);
   return sum_m;
 }
 

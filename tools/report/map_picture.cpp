@@ -20,7 +20,7 @@ void draw_walls(Canvas& canvas, const GridMap& map, const MapView& view) {
     return view.to_pixel(p.x_m, p.y_m);
   };
   const bool with_ends = map.walls.size() <= most_ends;
-  for (const Segment& wall : map.walls) {
+  for (const GridWall& wall : map.walls) {
     const Pixel a = pixel(wall.ax, wall.ay), b = pixel(wall.bx, wall.by);
     canvas.line({a, b}, 2.5, estimate_colour);
     if (!with_ends) continue;

@@ -36,7 +36,7 @@ struct StepRecord {
   double stamp_s = 0.0;
   double n_eff = 0.0;
   double sigma_x_m = 0.0, sigma_y_m = 0.0, sigma_theta_rad = 0.0;  ///< Of the estimate's covariance.
-  double step_ms = 0.0;                                            ///< Wall time of the step.
+  double step_ms = 0.0;                                            ///< RayWall time of the step.
   bool resampled = false;
   bool lost = false;               ///< Every particle had weight zero.
   double particles = 0.0;          ///< That were weighed.

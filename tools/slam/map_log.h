@@ -41,7 +41,7 @@ struct Mapping {
   Trajectory odometry;                ///< Dead reckoning from there, or by the scans.
   std::vector<SlamRecord> records;    ///< One per scan that was taken in.
   std::vector<std::size_t> distinct;  ///< Ancestors of the last particles, by such a scan.
-  std::vector<double> step_s;         ///< Wall time of each of them.
+  std::vector<double> step_s;         ///< RayWall time of each of them.
   std::vector<Growth> growth;         ///< Evenly over such scans, 23 at most, the last one among them.
   std::size_t scans = 0;              ///< Read from the log.
   std::size_t resumed_at = 0;         ///< So many of these were done before the checkpoint.

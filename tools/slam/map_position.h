@@ -13,7 +13,7 @@ struct MapPosition {
   std::string log_name;          ///< For messages.
   std::size_t scans = 0;         ///< Done.
   std::string digest;            ///< Of the log as far as it was read then (DigestedLog).
-  std::vector<double> step_s;    ///< Wall time of each scan that was taken in.
+  std::vector<double> step_s;    ///< RayWall time of each scan that was taken in.
   double wall_s = 0.0;           ///< Of all that was done so far.
   bool odometry_chosen = false;  ///< The settings' odometry is from the scans because the log has none.
   std::vector<Growth> growth;    ///< What the report shows of the growing map.

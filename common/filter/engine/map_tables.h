@@ -86,7 +86,7 @@ class MapTables {
   Array<std::uint32_t> squared_distance_;
   Array<std::uint8_t> skip_;
   std::int32_t skip_plane_ = 0;
-  Array<Wall> walls_;
+  Array<RayWall> walls_;
   Array<std::uint32_t> wall_ids_, wall_first_;
   std::uint32_t wall_count_ = 0;
   Array<std::uint32_t> field_;

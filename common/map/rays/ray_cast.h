@@ -16,14 +16,14 @@
 namespace parloc {
 
 /// From a along e, in cells.
-struct Wall {
+struct RayWall {
   float ax, ay, ex, ey;
 };
 
 /// Walls that are segments, and which of them pass a cell (common/map/rays/wall_index.h). count 0: walls are
 /// cells.
 struct Walls {
-  const Wall* wall = nullptr;
+  const RayWall* wall = nullptr;
   const std::uint32_t* id = nullptr;
   const std::uint32_t* first = nullptr;
   std::uint32_t count = 0;

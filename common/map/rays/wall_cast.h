@@ -25,7 +25,7 @@ PARLOC_HD float dot(float ax, float ay, float bx, float by) {
 /// the wall nearest to where its line meets the ray's, if the ray passes it no farther than rounding can err:
 /// so it is always on the wall, and a ray through the common end of two walls does not slip between them. A
 /// ray along a wall hits its nearer end, or is at distance 0 if it starts within.
-PARLOC_HD float wall_hit(const Ray& r, const Wall& w) {
+PARLOC_HD float wall_hit(const Ray& r, const RayWall& w) {
   const float x = w.ax - r.u, y = w.ay - r.v;
   const float slack = kWallSlack * max_of(max_of(__builtin_fabsf(x), __builtin_fabsf(y)), 1.0f);
   const float det = cross(r.dx, r.dy, w.ex, w.ey);  // the wall's extent across the ray

@@ -14,7 +14,7 @@ double margin_cells(const GridMap& map) {
   return 0.02 + 4e-6 * std::max(map.width, map.height);
 }
 
-Wall wall_in_cells(const Segment& s, double inv_resolution) {
+RayWall wall_in_cells(const GridWall& s, double inv_resolution) {
   const auto cells = [&](float metres) {
     return static_cast<float>(static_cast<double>(metres) * inv_resolution);
   };
@@ -24,7 +24,7 @@ Wall wall_in_cells(const Segment& s, double inv_resolution) {
 
 /// visit(main, other) for every cell within `margin` of the wall; main: along x unless the wall is steep.
 template <class Visit>
-void along_wall(const Wall& w, double margin, const Visit& visit) {
+void along_wall(const RayWall& w, double margin, const Visit& visit) {
   const bool steep = std::fabs(w.ey) > std::fabs(w.ex);
   const double a = steep ? w.ay : w.ax, e = steep ? w.ey : w.ex;
   const double other_a = steep ? w.ax : w.ay, other_e = steep ? w.ex : w.ey;
@@ -44,9 +44,9 @@ void along_wall(const Wall& w, double margin, const Visit& visit) {
 
 WallIndex index_walls(const GridMap& map) {
   WallIndex index;
-  for (const Segment& s : map.walls) {
+  for (const GridWall& s : map.walls) {
     index.walls.push_back(wall_in_cells(s, 1.0 / map.resolution_m));
-    const Wall& w = index.walls.back();
+    const RayWall& w = index.walls.back();
     const float far_x = std::max(w.ax, w.ax + w.ex), far_y = std::max(w.ay, w.ay + w.ey);
     if (std::min(w.ax, w.ax + w.ex) < 1.0f || std::min(w.ay, w.ay + w.ey) < 1.0f ||
         far_x > static_cast<float>(map.width - 1) || far_y > static_cast<float>(map.height - 1))
@@ -58,7 +58,7 @@ WallIndex index_walls(const GridMap& map) {
   };
   std::vector<std::uint64_t> count(map.size(), 0);
   std::uint64_t total = 0;
-  for (const Wall& w : index.walls) {
+  for (const RayWall& w : index.walls) {
     along_wall(w, margin, [&](std::int32_t i, std::int32_t j) {
       if (map.contains(i, j)) ++count[cell_of(i, j)], ++total;
     });

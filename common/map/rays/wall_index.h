@@ -10,7 +10,7 @@
 namespace parloc {
 
 struct WallIndex {
-  std::vector<Wall> walls;  ///< Those of the map, in its order [cells].
+  std::vector<RayWall> walls;  ///< Those of the map, in its order [cells].
   std::vector<std::uint32_t>
       ids;  ///< Walls cell by cell; those of cell c are ids[first[c]] to ids[first[c + 1] - 1].
   std::vector<std::uint32_t> first;  ///< [width * height + 1]

@@ -4,7 +4,7 @@
 namespace parloc {
 
 /// From a to b in the grid frame of its map [m]. Closed: a ray that meets an end point is stopped.
-struct Segment {
+struct GridWall {
   float ax, ay, bx, by;
 };
 
