@@ -4,14 +4,6 @@
 namespace parloc::PARLOC_CUDA_NAMESPACE {
 namespace {
 
-struct ClearMarks {
-  std::uint8_t* touched;
-  std::size_t count;
-  PARLOC_HD void operator()(const Thread& me) const {
-    for (std::size_t k = me.first(); k < count; k += me.stride()) touched[k] = 0;
-  }
-};
-
 /// A thread per particle and beam.
 struct MarkTiles {
   SlamArgs args;

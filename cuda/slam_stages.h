@@ -61,6 +61,15 @@ struct NewTiles {
   DeviceBuffer<NewTile> fresh;
 };
 
+/// Before a scan is marked: a thread per place of the tables.
+struct ClearMarks {
+  std::uint8_t* touched;
+  std::size_t count;
+  PARLOC_HD void operator()(const Thread& me) const {
+    for (std::size_t k = me.first(); k < count; k += me.stride()) touched[k] = 0;
+  }
+};
+
 struct SlamStages {
 #include "common/slam/stage_list.inc"
 };
