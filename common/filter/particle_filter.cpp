@@ -37,6 +37,13 @@ Estimate to_estimate(const StepState& s, const FilterConfig& config, const Pose&
   return e;
 }
 
+/// The last estimate, given out again: no scan was used for it.
+Estimate not_weighed(const Estimate& last) {
+  Estimate e = last;
+  e.weighted = e.resampled = e.lost = false;
+  return e;
+}
+
 /// What the filter remembers of one LiDAR.
 struct LidarState {
   double range_max_m = 0.0;      ///< Of its last scan.
@@ -90,11 +97,10 @@ std::size_t ParticleFilter::State::lidar_of(const Scan& scan) {
 }
 
 MotionStep ParticleFilter::State::motion_to(const Pose& odometry) {
-  const Movement movement = front_end.move_to(odometry);
-  MotionStep step = motion_step(movement.increment, config.motion, movement.inflation);
+  MotionStep step = motion_step(front_end.move_to(odometry), config.motion);
   const double widenings = std::exchange(widenings_due, 0);
-  step.spread_xy = static_cast<float>(widenings * config.recovery.expansion_sigma_xy);
-  step.spread_theta = static_cast<float>(widenings * config.recovery.expansion_sigma_theta);
+  step.spread_xy += static_cast<float>(widenings * config.recovery.expansion_sigma_xy);
+  step.spread_theta += static_cast<float>(widenings * config.recovery.expansion_sigma_theta);
   return step;
 }
 
@@ -202,16 +208,20 @@ void ParticleFilter::add_odometry(double stamp_s, const Pose& odometry) {
   state_->front_end.add_odometry(stamp_s, odometry);
 }
 
-Estimate ParticleFilter::step(const Pose& odometry, const Scan& scan) {
+std::optional<OdometryReading> ParticleFilter::prepare_odometry(double stamp_s, const Pose& odometry) {
+  return state_->front_end.prepare_odometry(stamp_s, odometry);
+}
+
+Estimate ParticleFilter::step(const Pose& recorded, const Scan& scan) {
   State& s = *state_;
   if (!s.started) throw Error(ErrorKind::internal, "ParticleFilter::step before start_at or start_anywhere");
-  if (!s.front_end.accept(odometry)) return s.last;
-  s.front_end.add_odometry(scan.stamp_s, odometry);
+  const std::optional<OdometryReading> reading = s.front_end.take_odometry(scan.stamp_s, recorded);
+  if (!reading) return not_weighed(s.last);
+  const Pose odometry = reading->pose;
   const std::size_t lidar = s.lidar_of(scan);
   if (!s.front_end.moved_enough(s.lidars[lidar].odometry, odometry)) {
-    Estimate e = s.last;
+    Estimate e = not_weighed(s.last);
     e.pose = compose(s.last.pose, relative(odometry, *s.front_end.odometry()));
-    e.weighted = e.resampled = false;
     return e;
   }
   const bool weighted = s.take_in(scan, lidar);
@@ -257,10 +267,10 @@ std::vector<EndPoint> ParticleFilter::end_points(const Scan& scan) const {
   return state_->front_end.end_points_of(scan);
 }
 std::size_t ParticleFilter::odometry_jumps() const {
-  return state_->front_end.jumps();
+  return state_->front_end.continuous().jumps();
 }
 std::size_t ParticleFilter::odometry_invalid() const {
-  return state_->front_end.invalid();
+  return state_->front_end.continuous().invalid();
 }
 std::size_t ParticleFilter::steps() const {
   return state_->steps;

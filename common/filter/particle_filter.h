@@ -13,6 +13,7 @@
 #include "common/map/grid_map.h"
 #include "common/math/pose.h"
 #include "common/model/beam_counts.h"
+#include "common/model/continuous_odometry.h"
 #include "common/model/scan.h"
 
 namespace parloc {
@@ -88,6 +89,9 @@ class ParticleFilter {
   /// Non-finite odometry is skipped and counted. Throws Error{input} for a scan whose arrays do not fit
   /// together.
   Estimate step(const Pose& odometry, const Scan& scan);
+  /// How the next step will take its odometry: at the time of its scan, and without jumps. To be called once
+  /// before that step, with the same; nothing if it is not finite.
+  std::optional<OdometryReading> prepare_odometry(double stamp_s, const Pose& odometry);
 
   /// The particles of the last step (downloads them); at most `most`, evenly by slot. Weights are shares of
   /// all.
@@ -101,7 +105,7 @@ class ParticleFilter {
   /// Where the beams of a scan ended, in the base frame at its stamp, decimation apart, by the odometry known
   /// so far.
   std::vector<EndPoint> end_points(const Scan& scan) const;
-  std::size_t odometry_jumps() const;    ///< Steps longer than max_jump_m.
+  std::size_t odometry_jumps() const;    ///< Steps that no robot makes (ContinuousOdometry).
   std::size_t odometry_invalid() const;  ///< Steps skipped because the odometry was not finite.
   std::size_t steps() const;
   std::string backend_name() const;  ///< "cpu (AVX-512, 2 threads)" or "cuda (device name)".

@@ -157,17 +157,20 @@ void FlowFilter::add_odometry(double stamp_s, const Pose& odometry) {
   state_->front_end.add_odometry(stamp_s, odometry);
 }
 
-Estimate FlowFilter::step(const Pose& odometry, const Scan& scan) {
+Estimate FlowFilter::step(const Pose& recorded, const Scan& scan) {
   State& s = *state_;
   if (!s.started) throw Error(ErrorKind::internal, "FlowFilter::step before start_at");
-  if (!s.front_end.accept(odometry)) return s.last;
-  s.front_end.add_odometry(scan.stamp_s, odometry);
+  const std::optional<OdometryReading> odometry = s.front_end.take_odometry(scan.stamp_s, recorded);
+  if (!odometry) {
+    Estimate e = s.last;
+    e.weighted = e.resampled = e.lost = false;
+    return e;
+  }
   const FlowFilterConfig& c = s.config;
   // What the sensor models of a particle filter need of a beam is not read here.
   const bool enough = s.front_end.take(scan, SensorConfig{}, s.map.resolution_m, s.beams) &&
                       s.beams.hits >= static_cast<std::size_t>(c.scan.min_beams);
-  const Movement movement = s.front_end.move_to(odometry);
-  const MotionStep motion = motion_step(movement.increment, c.motion, movement.inflation);
+  const MotionStep motion = motion_step(s.front_end.move_to(odometry->pose), c.motion);
   const RandomKey key{c.seed, static_cast<std::uint32_t>(s.steps)};
   const FlowState& state = s.backend->step(motion, key, enough ? &s.beams : nullptr);
   const Estimate e = s.to_estimate(state);
@@ -191,10 +194,10 @@ const std::vector<LidarUse>& FlowFilter::lidars_used() const {
   return state_->front_end.intake().used();
 }
 std::size_t FlowFilter::odometry_jumps() const {
-  return state_->front_end.jumps();
+  return state_->front_end.continuous().jumps();
 }
 std::size_t FlowFilter::odometry_invalid() const {
-  return state_->front_end.invalid();
+  return state_->front_end.continuous().invalid();
 }
 std::size_t FlowFilter::stiff_scans() const {
   return state_->stiff;

@@ -15,6 +15,8 @@ constexpr std::int32_t kFarthestTile = 1 << 24;
 /// Tiles that are in host memory at once.
 constexpr std::size_t kTilesAtOnce = 256;
 constexpr std::size_t kCells = kTileCells * kTileCells;
+/// Readings of the odometry whose stamps stood still, more than a ContinuousOdometry counts.
+constexpr std::uint64_t kMostStoodStill = 100;
 
 /// from[k] becomes to[k].
 void rename(std::vector<std::uint32_t>& table, const std::vector<std::uint32_t>& from,
@@ -121,6 +123,28 @@ void visit_counts(Use& use, const Visit& visit) {
 }
 }  // namespace
 
+void put_odometry_memory(ByteWriter& w, const std::optional<OdometryMemory>& memory) {
+  w.put_bool(memory.has_value());
+  if (!memory) return;
+  for (const Pose& pose : {memory->raw, memory->pose, memory->step}) put_pose(w, pose);
+  for (const double time_s : {memory->stamp_s, memory->step_s, memory->since_s}) w.put(time_s);
+  w.put_count(static_cast<std::size_t>(memory->stood_still));
+  w.put_bool(memory->rebased);
+}
+std::optional<OdometryMemory> get_odometry_memory(ByteReader& r) {
+  if (!r.get_bool()) return std::nullopt;
+  OdometryMemory memory;
+  for (Pose* pose : {&memory.raw, &memory.pose, &memory.step}) *pose = get_pose(r);
+  for (double* time_s : {&memory.stamp_s, &memory.step_s, &memory.since_s}) {
+    *time_s = r.get<double>();
+    r.expect(std::isfinite(*time_s), "times of the odometry that are numbers");
+  }
+  const auto stood_still = r.get<std::uint64_t>();
+  r.expect(stood_still <= kMostStoodStill, "a count of stamps that can be");
+  memory.stood_still = static_cast<int>(stood_still);
+  memory.rebased = r.get_bool();
+  return memory;
+}
 void put_lidars(ByteWriter& w, const std::vector<LidarUse>& lidars) {
   w.put_each(lidars, [](ByteWriter& out, const LidarUse& use) {
     out.put_text(use.name);

@@ -2,12 +2,14 @@
 // checked as far as computing with it needs; get_... throw Error{input}.
 #pragma once
 
+#include <optional>
 #include <vector>
 
 #include "common/file/bytes.h"
 #include "common/math/pose.h"
 #include "common/model/beam_counts.h"
 #include "common/model/beams.h"
+#include "common/model/continuous_odometry.h"
 #include "common/model/trajectory.h"
 #include "common/slam/scan_odometry.h"
 #include "common/slam/slam_backend.h"
@@ -20,6 +22,9 @@ void put_trajectory(ByteWriter& w, const Trajectory& trajectory);
 Trajectory get_trajectory(ByteReader& r);
 /// Of an OdometryTrack.
 std::vector<StampedPose> get_readings(ByteReader& r);
+/// Of a ContinuousOdometry.
+void put_odometry_memory(ByteWriter& w, const std::optional<OdometryMemory>& memory);
+std::optional<OdometryMemory> get_odometry_memory(ByteReader& r);
 void put_lidars(ByteWriter& w, const std::vector<LidarUse>& lidars);
 std::vector<LidarUse> get_lidars(ByteReader& r);
 
