@@ -8,6 +8,7 @@
 #include "common/error.h"
 #include "common/filter/filter_backend.h"
 #include "common/filter/map_frame.h"
+#include "common/filter/propose_particles.h"
 #include "common/filter/run_digest.h"
 #include "common/filter/start.h"
 #include "common/filter/step_front_end.h"
@@ -198,6 +199,22 @@ void ParticleFilter::relocate(const std::vector<PoseGuess>& guesses, const Pose&
   for (LidarState& lidar : s.lidars) lidar.odometry.reset();  // the next scan counts, however near
   s.last = {};
   s.started = true;
+}
+
+void ParticleFilter::propose(const PoseGuess& guess, double share, const SlipPrior& slip) {
+  check({guess});
+  State& s = *state_;
+  ParticleSet set = s.backend->download();
+  propose_particles(set, s.map, guess, share, slip, static_cast<std::uint32_t>(s.steps), s.config.seed);
+  s.backend->upload(std::move(set));
+}
+
+bool ParticleFilter::counts(const Pose& odometry, const Scan& scan) const {
+  const State& s = *state_;
+  for (std::size_t k = 0; k < s.lidars.size(); ++k)
+    if (s.front_end.intake().used()[k].name == scan.sensor)
+      return s.front_end.moved_enough(s.lidars[k].odometry, odometry);
+  return true;
 }
 
 void ParticleFilter::set_seed(std::uint64_t seed) {

@@ -76,6 +76,11 @@ class ParticleFilter {
   /// Puts the particles there in the middle of a run, which goes on: the next step does not move them if its
   /// odometry is this one. Throws as start_at.
   void relocate(const std::vector<PoseGuess>& guesses, const Pose& odometry);
+  /// Before a step: puts `share` of the particles, above 0 and below 1, about a place where the wheels may
+  /// have slipped to, with weights that let the scan decide (propose_particles). Throws as start_at.
+  void propose(const PoseGuess& guess, double share, const SlipPrior& slip);
+  /// Whether a scan of that LiDAR would be weighed in a step with this odometry (update_min_d).
+  bool counts(const Pose& odometry, const Scan& scan) const;
   /// From the next start on.
   void set_seed(std::uint64_t seed);
 

@@ -41,7 +41,9 @@ bool StepFrontEnd::moved_enough(const std::optional<Pose>& before, const Pose& n
 }
 
 Movement StepFrontEnd::move_to(const Pose& now) {
-  Movement movement{.elapsed_s = std::exchange(elapsed_s_, 0.0), .guessed = std::exchange(jumped_, false)};
+  Movement movement;
+  movement.elapsed_s = std::exchange(elapsed_s_, 0.0);
+  movement.guessed = std::exchange(jumped_, false);
   if (!odometry_) {
     odometry_ = now;
     return movement;

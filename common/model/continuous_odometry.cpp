@@ -48,7 +48,9 @@ std::optional<OdometryReading> ContinuousOdometry::take(double stamp_s, const Po
     return std::nullopt;
   }
   if (!last_) {
-    last_ = OdometryMemory{.raw = raw, .pose = raw, .stamp_s = stamp_s};
+    last_.emplace();
+    last_->raw = last_->pose = raw;
+    last_->stamp_s = stamp_s;
     return OdometryReading{raw};
   }
   OdometryMemory& last = *last_;
@@ -59,7 +61,8 @@ std::optional<OdometryReading> ContinuousOdometry::take(double stamp_s, const Po
   const bool clock_runs = last.stood_still < kStandsStill && advances;
   const double elapsed_s = advances ? stamps_s : last.stood_still == kStandsStill ? kNominal_s : 0.0;
 
-  OdometryReading reading{.elapsed_s = elapsed_s};
+  OdometryReading reading;
+  reading.elapsed_s = elapsed_s;
   Pose step = relative(raw, last.raw);
   reading.jumped = !possible(step, clock_runs ? stamps_s : 0.0, clock_runs);
   if (reading.jumped) {

@@ -68,6 +68,7 @@ Sigmas sigmas_of(const OdometryIncrement& d, const MotionConfig& c) {
               __builtin_sqrt(c.alpha4 * turn * turn + c.alpha5 * t * t)};
     }
   }
+  return {};
 }
 PARLOC_EVERY_CASE_END
 

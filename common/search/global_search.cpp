@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <utility>
 
 #include "common/error.h"
 #include "common/filter/filter_backend.h"
@@ -51,12 +52,14 @@ void validate(const SearchConfig& c) {
 }
 
 struct GlobalSearch::State {
-  State(const GridMap& grid, const SearchConfig& c, const ComputeConfig& compute)
+  State(const GridMap& grid, const SearchConfig& c, const ComputeConfig& compute,
+        std::shared_ptr<const SearchMap> ready)
       : config(c),
         T_map_grid(grid.T_map_grid),
         name(grid.name),
         resolution_m(grid.resolution_m),
-        map(make_search_map(grid, c)),
+        shared(std::move(ready)),
+        map(*shared),
         judge(grid, map, c),
         backend(choose_backend(map, compute, why)) {
     if (map.free_count == 0) throw Error(ErrorKind::input, name + ": the map has no free cell");
@@ -71,7 +74,8 @@ struct GlobalSearch::State {
   Pose T_map_grid;
   std::string name;
   double resolution_m;
-  SearchMap map;
+  std::shared_ptr<const SearchMap> shared;
+  const SearchMap& map;
   JudgePlaces judge;
   std::string why;
   std::unique_ptr<SearchBackend> backend;
@@ -143,10 +147,16 @@ std::int64_t GlobalSearch::State::step(std::int64_t work) {
   return spent;
 }
 
-GlobalSearch::GlobalSearch(const GridMap& map, const SearchConfig& config, const ComputeConfig& compute) {
+GlobalSearch::GlobalSearch(const GridMap& map, const SearchConfig& config, const ComputeConfig& compute)
+    : GlobalSearch(map, config, compute, nullptr) {}
+GlobalSearch::GlobalSearch(const GridMap& map, const SearchConfig& config, const ComputeConfig& compute,
+                           const GlobalSearch* beside) {
   validate(config);
   expect(compute.threads >= 0 && compute.threads <= 4096, "threads", "a whole number from 0 to 4096");
-  state_ = std::make_unique<State>(map, config, compute);
+  state_ = std::make_unique<State>(map, config, compute,
+                                   beside != nullptr
+                                       ? beside->state_->shared
+                                       : std::make_shared<const SearchMap>(make_search_map(map, config)));
 }
 GlobalSearch::~GlobalSearch() = default;
 GlobalSearch::GlobalSearch(GlobalSearch&&) noexcept = default;

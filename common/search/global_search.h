@@ -59,6 +59,10 @@ class GlobalSearch {
   /// Error{config} for an impossible configuration, Error{backend} if the backend is not there.
   explicit GlobalSearch(const GridMap& map, const SearchConfig& config = {},
                         const ComputeConfig& compute = {});
+  /// A second one of the same map, for searches while the first is under way: shares what depends on the map.
+  /// cell_m and sigma_m are those of the first. `beside` may be null.
+  GlobalSearch(const GridMap& map, const SearchConfig& config, const ComputeConfig& compute,
+               const GlobalSearch* beside);
   ~GlobalSearch();
   GlobalSearch(GlobalSearch&&) noexcept;
   GlobalSearch& operator=(GlobalSearch&&) noexcept;
