@@ -8,8 +8,13 @@ namespace parloc {
 namespace {
 
 /// What the evidence of one scan says of its place [nat]: linear about where right and wrong places are as
-/// common, and never more than a few nat, since a scan may be bad by itself.
-constexpr double kEven = 0.9, kSlope = 6.0, kMostPerScan = 4.0;
+/// common, and never more than a few nat, since a scan may be bad by itself. They are as common so far below
+/// what is typical of the drive, but not beyond what any place is worth.
+constexpr double kBelowTypical = 0.9, kEvenLeast = 0.7, kEvenMost = 1.5;
+constexpr double kSlope = 6.0, kMostPerScan = 4.0;
+/// Of the running mean of good evidence, per independent scan.
+constexpr double kTypicalRate = 0.02;
+constexpr double kAccepted = 1.0;  ///< [nat]
 /// What a place can earn and lose: it takes so many bad scans to doubt a good place, and good ones to trust a
 /// bad.
 constexpr double kMostFor = 7.0, kMostAgainst = -6.0;
@@ -30,10 +35,17 @@ void HealthMonitor::reset(double log_odds) {
   log_odds_ = log_odds;
 }
 
+void HealthMonitor::accept() {
+  log_odds_ = std::max(log_odds_, kAccepted);
+  typical_ = std::min(typical_, std::max(evidence_, kEvenLeast + kBelowTypical));
+}
+
 Health HealthMonitor::update(const ScanFit& fit) {
   evidence_ += (seen_ ? kSmoothing * fit.novelty : 1.0) * (fit.evidence - evidence_);
   seen_ = true;
-  const double says = std::clamp(kSlope * (fit.evidence - kEven), -kMostPerScan, kMostPerScan);
+  const double even = std::clamp(typical_ - kBelowTypical, kEvenLeast, kEvenMost);
+  const double says = std::clamp(kSlope * (fit.evidence - even), -kMostPerScan, kMostPerScan);
+  if (fit.evidence > even) typical_ += kTypicalRate * fit.novelty * (fit.evidence - typical_);
   log_odds_ = std::clamp(log_odds_ + fit.novelty * says, kMostAgainst, kMostFor);
 
   const double fits = 1.0 / (1.0 + static_cast<double>(portable_exp(static_cast<float>(-log_odds_))));

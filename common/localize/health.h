@@ -30,15 +30,23 @@ class HealthMonitor {
  public:
   /// Forgets what was seen: the filter starts anew, at a place that is right with these odds [nat].
   void reset(double log_odds = 0.0);
+  /// Where it is now fits best of all places: that it fits worse than before is the surroundings' doing.
+  void accept();
+  /// Evidence of a scan at a good place on this drive, with its people and its moved shelves [nat per beam].
+  double typical() const { return typical_; }
 
   /// After a scan was weighed. The probability is that of the scans, calibrated (docs/localize.md), times the
   /// share.
   Health update(const ScanFit& fit);
 
  private:
+  /// Before anything was seen: that of a clean map.
+  static constexpr double kFirstTypical = 2.0;
+
   bool seen_ = false, lost_ = false;
   double evidence_ = 0.0;  // smoothed
   double log_odds_ = 0.0;  // of being right
+  double typical_ = kFirstTypical;
 };
 
 }  // namespace parloc

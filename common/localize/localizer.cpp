@@ -35,9 +35,7 @@ constexpr double kSlipsPer_s = 1.0 / 60.0, kLeastSlipOdds = 0.002, kMostSlipOdds
 constexpr double kSlipSigma_m = 0.3, kSlipSigma_rad = 0.2;
 constexpr double kSlipGrowth_m = 0.05, kSlipGrowth_rad = 0.02;  ///< Per metre since all was well.
 constexpr double kReachSigmas = 3.5;                            ///< How far is looked.
-constexpr double kSlipShare = 0.25;    ///< Of the particles, for what is found there.
-constexpr double kTypicalRate = 0.05;  ///< Of the running mean of good evidence, per independent scan.
-constexpr double kFirstTypical = 1.8;
+constexpr double kSlipShare = 0.25;  ///< Of the particles, for what is found there.
 
 /// Work of a slice of the search (search_work.h): a few milliseconds.
 constexpr std::int64_t kSlice = 2'000'000;
@@ -109,7 +107,7 @@ struct Localizer::State {
   std::size_t rival_scans = 0, candidates = 0;
   std::size_t searches = 0;
   std::optional<Pose> tracked;  // the heaviest cluster, after the last step that was weighed
-  double typical = kFirstTypical, since_well_m = 0.0;
+  double since_well_m = 0.0;
   Health last;
 };
 
@@ -127,7 +125,7 @@ void Localizer::State::begin(bool is_lost, bool is_settled, const SearchPrior& k
   rivals.clear();
   searches = 0;
   tracked.reset();
-  typical = kFirstTypical, since_well_m = 0.0;
+  since_well_m = 0.0;
   last = {};
 }
 
@@ -243,6 +241,10 @@ void Localizer::State::go_on_searching(const Now& now, LocalizerEstimate& out) {
     if (!settled) look_for_others(found, now);
   } else {
     rivals.clear();
+    const auto here = [&](const Hypothesis& h) {
+      return tracked && same_place(h.pose, compose(*tracked, relative(now.odometry, *filter.odometry())));
+    };
+    if (!found.empty() && found[0].evidence >= kFits && here(found[0])) return monitor.accept();
     for (const Hypothesis& h : found)
       if (h.weight >= kNoMatter && h.evidence >= kFits) rivals.push_back({h.pose});
     rivals_odometry = rivals_found = now.odometry;
@@ -325,7 +327,7 @@ void Localizer::State::look_for_slips(const Now& now) {
   const double worth = config.search.effective_beams;
   const double odds = std::clamp(now.elapsed_s * kSlipsPer_s, kLeastSlipOdds, kMostSlipOdds);
   const double here = judge.evidence(now.beams, expected);
-  if (worth * (typical - here) < -portable_log64(odds)) return;
+  if (worth * (monitor.typical() - here) < -portable_log64(odds)) return;
   const double sigma_m = kSlipSigma_m + kSlipGrowth_m * since_well_m;
   const double sigma_rad = kSlipSigma_rad + kSlipGrowth_rad * since_well_m;
   const auto found = near_by().look(now.beams, expected, {kReachSigmas * sigma_m, kReachSigmas * sigma_rad});
@@ -354,7 +356,6 @@ void Localizer::State::watch(const Now& now, LocalizerEstimate& out) {
   last = monitor.update({evidence, heaviest.weight, novel});
   const double moved_m = tracked ? distance_m(*tracked, heaviest.mean) : 0.0;
   tracked = heaviest.mean;
-  if (evidence >= kFits) typical += kTypicalRate * novel * (evidence - typical);
   since_well_m = evidence >= kFits ? 0.0 : since_well_m + moved_m;
   const bool was_lost = lost;
   lost = last.state == HealthState::lost;
