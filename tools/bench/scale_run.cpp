@@ -1,4 +1,4 @@
-#include "tools/bench/scale_run.h"
+#include "tools/bench/plan.h"
 
 #include <fmt/format.h>
 
@@ -11,7 +11,7 @@
 #include "common/filter/stages.h"
 #include "tools/bench/published.h"
 #include "tools/bench/recorder.h"
-#include "tools/bench/steps/bisect.h"
+#include "tools/bench/steps/measure.h"
 #include "tools/bench/steps/memory.h"
 
 namespace parloc::tools::bench {

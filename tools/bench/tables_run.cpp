@@ -1,4 +1,4 @@
-#include "tools/bench/tables_run.h"
+#include "tools/bench/plan.h"
 
 #include <cstddef>
 #include <memory>

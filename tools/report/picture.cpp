@@ -3,11 +3,13 @@
 #include <string>
 #include <vector>
 
+#include "common/error.h"
 #include "common/file/output_file.h"
-#include "tools/report/map_drawing.h"
+#include "tools/report/map_picture.h"
 #include "tools/report/map_view.h"
 #include "tools/report/pictures/canvas.h"
-#include "tools/report/pictures/picture_style.h"
+#include "tools/report/pictures/pixel.h"
+#include "tools/report/plots/plot.h"
 #include "tools/report/report.h"
 #include "tools/report/report_sections.h"
 
@@ -164,6 +166,14 @@ void write_live_picture(const std::string& path, const RunReport& report, const 
   });
   canvas.text({margin_px, view.height_px + 0.5 * kStrip_px}, caption, ink);
   replace_file(path, canvas.png(PngEffort::fast));
+}
+
+void write_error_picture(const std::string& path, const RunReport& report) {
+  std::vector<Plot> plots = error_plots(report);
+  if (plots.empty()) throw Error(ErrorKind::output, path + ": cannot be written: no errors to show");
+  plots.front().series.front().label = "estimate minus truth";
+  constexpr std::int32_t kHeight_px = 180;
+  replace_file(path, plot_picture(plots, time_axis(report.errors->stamp_s), kHeight_px));
 }
 
 }  // namespace parloc::tools
