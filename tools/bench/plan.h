@@ -23,13 +23,6 @@ struct Plan {
   bool quick = false;
 };
 
-/// Those of `values` that are not above `most`.
-template <class Value>
-std::vector<Value> at_most(std::vector<Value> values, Value most) {
-  std::erase_if(values, [&](const Value& value) { return value > most; });
-  return values;
-}
-
 /// The variants of one size are measured one right after the other, since their ratios are what counts. Adds
 /// to `results`; on an interruption what is finished stays.
 void measure_tables(const Plan& plan, const std::vector<Scene>& scenes, const Control& control,

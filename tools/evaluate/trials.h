@@ -13,7 +13,7 @@
 #include "common/localize/localizer.h"
 #include "common/map/grid_map.h"
 #include "common/simulator/scenario.h"
-#include "tools/program/log_source.h"
+#include "tools/program/run_items.h"
 
 namespace parloc::tools::evaluate {
 
