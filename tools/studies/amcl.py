@@ -12,7 +12,6 @@ import shutil
 import statistics
 import sys
 from dataclasses import replace
-from functools import partial
 
 import measuring
 from logs import carmen_text, read_log
@@ -41,8 +40,25 @@ def recovery(rates):
                          "recovery_margin": rates[2]}} if rates else {}
 
 
+ADAPTIVE, WIDE = KLD["100 to 4000"], {"min_particles": 100, "max_particles": 20000}
+RECOVERING = {f"{model}, {name}": {"sensor": {"model": model}, **recovery(rates)}
+              for model in MODELS for name, rates in RATES.items()}
+VARIANTS = {  # scene: name: settings
+    "office": {**FIXED, **KLD, **{f"100 to 4000, {name}": {**ADAPTIVE, **recovery(rates)} for name, rates in RATES.items()}},
+    PEOPLE: {name: {**ADAPTIVE, **settings} for name, settings in RECOVERING.items()},
+    "kidnapped": {**{name: {**WIDE, **settings} for name, settings in RECOVERING.items() if name != f"{MODELS[1]}, off"},
+                  "likelihood_field, off, widened below 0.3": {**WIDE, "recovery": {"expansion_likelihood": 0.3}}},
+}
+
+
 def localized(bench, name, settings, seed, folder):
     return localize(bench, name, seed, files_of("maps/office.yaml", folder), yaml_text({**settings, **FILTER_ALONE}))
+
+
+def one_run(bench, scene, name, number):
+    """The run of a seed, or of a trial of kidnapping."""
+    run = kidnapping_run if scene == "kidnapped" else tracking_run
+    return run(bench, scene, name, VARIANTS[scene][name], number)
 
 
 def tracking_run(bench, scene, name, settings, seed):
@@ -70,7 +86,7 @@ def carry_off(drive, cut_s, to):
     return to
 
 
-def kidnapping_run(bench, name, settings, trial):
+def kidnapping_run(bench, scene, name, settings, trial):
     cut_s = BEFORE_S + 5.0 + 13.0 * trial % 150.0
     folder = carry_off(bench.folder / "office_1", cut_s, bench.folder / f"kidnapped_{name.replace('/', '')}_{trial}")
     _, errors, _ = localized(bench, f"{folder.name}_run", settings, trial + 1, folder)
@@ -81,7 +97,7 @@ def kidnapping_run(bench, name, settings, trial):
         right = position_m < FOUND_M and abs(heading_rad) < FOUND_RAD
         found_s = (found_s if found_s is not None else stamp - cut_s - GONE_S) if right else None
     held = found_s is not None and found_s <= AFTER_S - HELD_S
-    return {"scene": "kidnapped", "variant": name, "trial": trial, "cut_s": cut_s, "found_s": found_s if held else None}
+    return {"scene": scene, "variant": name, "trial": trial, "cut_s": cut_s, "found_s": found_s if held else None}
 
 
 # ---- The page ----------------------------------------------------------------------------------------------------------
@@ -186,29 +202,15 @@ nothing had happened. 100 to 20,000 particles. Found: within {FOUND_M} m and 10 
 """  # noqa: E501
 
 
-def tasks_of(bench):
-    adaptive, wide = KLD["100 to 4000"], {"min_particles": 100, "max_particles": 20000}
-    modelled = {(model, name): {"sensor": {"model": model}, **recovery(rates)}
-                for model in MODELS for name, rates in RATES.items()}
-    tracking = {"office": {**FIXED, **KLD, **{f"100 to 4000, {n}": {**adaptive, **recovery(r)} for n, r in RATES.items()}},
-                PEOPLE: {f"{model}, {name}": {**adaptive, **more} for (model, name), more in modelled.items()}}
-    kidnapping = {f"{model}, {name}": {**wide, **more} for (model, name), more in modelled.items()
-                  if RATES[name] or model == MODELS[0]}
-    kidnapping["likelihood_field, off, widened below 0.3"] = {**wide, "recovery": {"expansion_likelihood": 0.3}}
-    tasks = {(scene, name, seed): partial(tracking_run, bench, scene, name, settings, seed)
-             for scene, variants in tracking.items() for name, settings in variants.items()
-             for seed in range(1, bench.args.seeds + 1)}
-    return tasks | {("kidnapped", name, trial): partial(kidnapping_run, bench, name, settings, trial)
-                    for name, settings in kidnapping.items() for trial in range(bench.args.trials)}
-
-
 def run(bench):
     load = [os.getloadavg()[0]]
     facts = circumstances(bench.program)
+    numbers = {scene: range(1, bench.args.seeds + 1) for scene in SCENES} | {"kidnapped": range(bench.args.trials)}
     for scene, scenario in SCENES.items():
-        for seed in range(1, bench.args.seeds + 1):
+        for seed in numbers[scene]:
             simulate(bench, scenario, seed, f"{scene}_{seed}")
-    results, end = bench.measure(tasks_of(bench), lambda key, r: (
+    keys = [(scene, name, number) for scene, variants in VARIANTS.items() for name in variants for number in numbers[scene]]
+    results, end = bench.measure(one_run, keys, lambda key, r: (
         f"{key}: " + (f"{r['rmse_cm']:.2f} cm" if "rmse_cm" in r else f"found after {r['found_s']} s")))
     if end:
         raise end

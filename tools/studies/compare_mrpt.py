@@ -18,7 +18,6 @@ import shutil
 import statistics
 import sys
 import time
-from functools import partial
 
 import measuring
 import mrpt_setup as models
@@ -106,19 +105,20 @@ def run_parloc(program, particles, row, drive, work, seed):
 def measure(bench, drive):
     """Rounds of one run per row, one right after the other: [{row key: values}], and how it ended."""
     particles, pf_localization = bench.args.particles, Program(bench.args.pf_localization, TIMEOUT_S)
-    tasks = {}
-    for number in range(1, bench.args.repeats + 1):
-        for row in ROWS:
-            tasks[number, row.key] = (
-                partial(run_parloc, bench.program, particles, row, drive, bench.folder, number) if row.model else
-                partial(run_mrpt, pf_localization, particles, row, drive, bench.folder))
-    results, end = bench.measure(tasks, lambda key, run: (
-        f"round {key[0]}, {key[1]}: {run['median_ms']:.3f} ms per step, mean error {100 * run['mean_m']:.2f} cm"),
+
+    def one_run(bench, number, row):
+        if row.model:
+            return run_parloc(bench.program, particles, row, drive, bench.folder, number)
+        return run_mrpt(pf_localization, particles, row, drive, bench.folder)
+
+    keys = [(number, row) for number in range(1, bench.args.repeats + 1) for row in ROWS]
+    results, end = bench.measure(one_run, keys, lambda key, run: (
+        f"round {key[0]}, {key[1].key}: {run['median_ms']:.3f} ms per step, mean error {100 * run['mean_m']:.2f} cm"),
         pf_localization)
     whole = len(results) // len(ROWS)
     if not whole:
         raise end
-    return [{row.key: results[number, row.key] for row in ROWS} for number in range(1, whole + 1)], end
+    return [{row.key: results[number, row] for row in ROWS} for number in range(1, whole + 1)], end
 
 
 # ---- The page ----------------------------------------------------------------------------------------------------------

@@ -9,7 +9,6 @@ import math
 import re
 import statistics
 import sys
-from functools import partial
 
 import measuring
 from measuring import ROOT, count
@@ -123,9 +122,9 @@ per scan. All scans count.
 
 def run(bench):
     seeds = {"spin": bench.args.seeds, "office": max(1, bench.args.seeds // 4)}
-    tasks = {(scene, seed): partial(one_seed, bench, scene, seed) for scene in SCENES for seed in range(1, seeds[scene] + 1)}
+    keys = [(scene, seed) for scene in SCENES for seed in range(1, seeds[scene] + 1)]
     facts = circumstances(bench.program)
-    results, end = bench.measure(tasks, lambda key, r: (
+    results, end = bench.measure(one_seed, keys, lambda key, r: (
         f"{key[0]}, seed {key[1]}: heading {r['instant']['heading_deg']:.2f}, ignored "
         f"{r['first']['ignored']['heading_deg']:.2f}, deskewed {r['first']['deskewed']['heading_deg']:.2f} deg"))
     if end:

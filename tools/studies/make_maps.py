@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 """Draws the maps that ship with parloc from metric boxes, discs and wall segments.
 
-Run once, from any folder; the output under maps/ is committed:
+Run once, from any folder, with numpy; the output under maps/ is committed:
 
     python3 tools/studies/make_maps.py
 
@@ -14,6 +14,7 @@ are, which moves walls neither inwards nor outwards on average.
 import math
 import random
 
+import numpy as np
 from grids import FREE, OCCUPIED, UNKNOWN, grid_of, write_map
 from measuring import ROOT
 
@@ -31,69 +32,54 @@ class Floor:
 
     def __init__(self, name, width_m, height_m, origin=(0.0, 0.0), fill=FREE):
         self.name, self.origin = name, origin
-        self.width, self.height = round(width_m / FINE_M), round(height_m / FINE_M)
-        self.rows = [bytearray([fill]) * self.width for _ in range(self.height)]  # row 0 at the bottom
+        self.cells = np.full((round(height_m / FINE_M), round(width_m / FINE_M)), fill, np.uint8)  # row 0 at the bottom
+
+    def around(self, points):
+        """The points in cells from the corner, the cells around them, and the columns and rows of those cells' centres."""
+        points = (np.array(points) - self.origin) / FINE_M
+        (left, low), (right, high) = (np.maximum(side, 0).astype(int) for side in (points.min(0), np.ceil(points.max(0))))
+        cells = self.cells[low:high, left:right]
+        rows, columns = np.ogrid[:cells.shape[0], :cells.shape[1]]
+        return points, cells, left + columns + 0.5, low + rows + 0.5
 
     def polygon(self, corners, value=OCCUPIED):
-        """Fills a convex polygon: the fine cells whose centre lies inside it."""
-        points = [((x - self.origin[0]) / FINE_M, (y - self.origin[1]) / FINE_M) for x, y in corners]
-        low = max(0, math.floor(min(y for _, y in points)))
-        high = min(self.height - 1, math.ceil(max(y for _, y in points)))
-        for row in range(low, high + 1):
-            centre, crossings = row + 0.5, []
-            for (ax, ay), (bx, by) in zip(points, points[1:] + points[:1], strict=True):
-                if (ay <= centre) != (by <= centre):
-                    crossings.append(ax + (centre - ay) / (by - ay) * (bx - ax))
-            if crossings:
-                self.span(row, min(crossings), max(crossings), value)
-
-    def span(self, row, left, right, value):
-        first = max(0, math.ceil(left - 0.5))
-        last = min(self.width - 1, math.floor(right - 0.5))
-        if last >= first:
-            self.rows[row][first:last + 1] = bytes([value]) * (last - first + 1)
+        """Fills a convex polygon, corners counter-clockwise: the fine cells whose centre lies inside it."""
+        points, cells, x, y = self.around(corners)
+        sides = zip(points, np.roll(points, -1, 0), strict=True)
+        cells[np.logical_and.reduce([(bx - ax) * (y - ay) >= (by - ay) * (x - ax) for (ax, ay), (bx, by) in sides])] = value
 
     def rect(self, x0, y0, x1, y1, value=OCCUPIED):
         self.polygon([(x0, y0), (x1, y0), (x1, y1), (x0, y1)], value)
 
-    def box(self, x, y, length, depth, angle_deg=0.0, value=OCCUPIED):
+    def box(self, x, y, length, depth, angle_deg=0.0):
         """A box around its centre (x, y), turned counter-clockwise."""
         at, u, v = turned(x, y, angle_deg), length / 2, depth / 2
-        self.polygon([at(-u, -v), at(u, -v), at(u, v), at(-u, v)], value)
+        self.polygon([at(-u, -v), at(u, -v), at(u, v), at(-u, v)])
 
     def wall(self, x0, y0, x1, y1, thickness=0.12):
         """A straight wall along the segment, with square ends."""
         angle = math.degrees(math.atan2(y1 - y0, x1 - x0))
         self.box((x0 + x1) / 2, (y0 + y1) / 2, math.hypot(x1 - x0, y1 - y0) + thickness, thickness, angle)
 
-    def disc(self, x, y, radius, value=OCCUPIED):
-        cx, cy, r = (x - self.origin[0]) / FINE_M, (y - self.origin[1]) / FINE_M, radius / FINE_M
-        for row in range(max(0, math.floor(cy - r)), min(self.height, math.ceil(cy + r) + 1)):
-            rest = r * r - (row + 0.5 - cy) ** 2
-            if rest > 0:
-                self.span(row, cx - math.sqrt(rest), cx + math.sqrt(rest), value)
+    def disc(self, x, y, radius):
+        (low, high), cells, columns, rows = self.around([(x - radius, y - radius), (x + radius, y + radius)])
+        middle = (low + high) / 2
+        cells[np.hypot(columns - middle[0], rows - middle[1]) <= radius / FINE_M] = OCCUPIED
 
-    def coarse_rows(self):
-        """5 cm rows, row 0 at the bottom. Unknown only where more than half of the cell is."""
-        rows = []
-        for j in range(0, self.height, RATIO):
-            block = self.rows[j:j + RATIO]
-            row = bytearray()
-            for i in range(0, self.width, RATIO):
-                cell = b"".join(bytes(r[i:i + RATIO]) for r in block)
-                majority = RATIO * RATIO // 2 + 1
-                row.append(OCCUPIED if cell.count(OCCUPIED) >= majority
-                           else UNKNOWN if cell.count(UNKNOWN) >= majority else FREE)
-            rows.append(row)
-        return rows
+    def coarse(self):
+        """5 cm cells, row 0 at the bottom. Unknown only where more than half of the cell is."""
+        height, width = self.cells.shape
+        blocks = self.cells.reshape(height // RATIO, RATIO, width // RATIO, RATIO)
+        mostly = {kind: (blocks == kind).mean((1, 3)) > 0.5 for kind in (OCCUPIED, UNKNOWN)}
+        return np.select(list(mostly.values()), list(mostly), FREE).astype(np.uint8)
 
     def save(self, image=".pgm"):
-        write_map(ROOT / f"maps/fine/{self.name}.yaml", grid_of(self.rows, FINE_M, self.origin), ".png")
-        save_coarse(self.name, self.coarse_rows(), self.origin, image)
+        write_map(ROOT / f"maps/fine/{self.name}.yaml", grid_of(self.cells, FINE_M, self.origin), ".png")
+        save_coarse(self.name, self.coarse(), self.origin, image)
 
 
-def save_coarse(name, rows, origin=(0.0, 0.0), image=".pgm"):
-    grid = grid_of(rows, COARSE_M, origin)
+def save_coarse(name, cells, origin=(0.0, 0.0), image=".pgm"):
+    grid = grid_of(cells, COARSE_M, origin)
     write_map(ROOT / f"maps/{name}.yaml", grid, image)
     occupied, free_m2 = grid.cells.count(OCCUPIED) / len(grid.cells), grid.cells.count(FREE) * COARSE_M ** 2
     print(f"{name}: {grid.width} x {grid.height} cells, {100 * occupied:.2f} % occupied, {free_m2:.0f} m2 free")
@@ -142,14 +128,14 @@ THIN, THICK = 0.11, 0.237
 DOOR_M = 0.96
 
 
-def wall_with_doors(floor, fixed, start, end, doors, vertical, thickness=THIN):
+def wall_with_doors(floor, fixed, start, end, doors, vertical):
     """An axis-parallel wall at x (vertical) or y = `fixed`, with door openings centred at `doors`."""
     edges = [start] + [e for d in sorted(doors) for e in (d - DOOR_M / 2, d + DOOR_M / 2)] + [end]
     for a, b in zip(edges[::2], edges[1::2], strict=True):
         if vertical:
-            floor.rect(fixed - thickness / 2, a, fixed + thickness / 2, b)
+            floor.rect(fixed - THIN / 2, a, fixed + THIN / 2, b)
         else:
-            floor.rect(a, fixed - thickness / 2, b, fixed + thickness / 2)
+            floor.rect(a, fixed - THIN / 2, b, fixed + THIN / 2)
 
 
 def door_leaf(floor, hinge_x, hinge_y, angle_deg):
@@ -374,7 +360,7 @@ def works():
 
 def empty():
     """The worst case of Paz et al. 2012: no ray ends within its range. 800 x 600 free cells of 5 cm."""
-    save_coarse("empty", [bytes([FREE]) * 800] * 600)
+    save_coarse("empty", np.full((600, 800), FREE, np.uint8))
 
 
 if __name__ == "__main__":

@@ -171,18 +171,18 @@ def write_results(folder, name, record, text):
         print(path, file=sys.stderr)
 
 
-def study(bench, name, tasks, text_of, page, refine=None, holds=None, **facts):
-    """Measures, writes what there is, and gives the exit code. refine(results) may add to them before, and holds(record) says
-    whether bars are kept that are not those of a single run."""
+def study(bench, name, run, keys, text_of, page, refine=None, holds=None, **facts):
+    """Measures run(bench, *key) of all keys, writes what there is, and gives the exit code. refine(results) may add to them
+    before, and holds(record) says whether bars are kept that are not those of a single run."""
     facts = circumstances(bench.program) | facts  # before a break, after which nothing is run any more
-    results, end = bench.measure(tasks, text_of)
+    results, end = bench.measure(run, keys, text_of)
     if refine:
         refine(results)
     runs = list(results.values())
     if not runs:
         raise end
     backends, configs = {run.pop("backend") for run in runs}, [run.pop("config") for run in runs]
-    record = {"partial": end is not None, "ended_by": str(end) if end else None, "runs_planned": len(tasks),
+    record = {"partial": end is not None, "ended_by": str(end) if end else None, "runs_planned": len(set(keys)),
               **facts, "backend": ", ".join(sorted(backends)),
               "config": {key: value for key, value in configs[0].items() if key != "seed"}, "runs": runs}
     write_results(bench.args.out, name, record, page(record))

@@ -10,7 +10,6 @@ import json
 import math
 import resource
 import sys
-from functools import partial
 
 import measuring
 from measuring import DATA, JOBS, Failure, count, option, subset
@@ -157,13 +156,12 @@ def run(bench):
     needed = [DATA / log / name for log in PUBLISHED for name in ("scans.log", "relations.txt")]
     if missing := [path for path in needed if not path.is_file()]:
         raise Failure(2, f"{missing[0]}: expected this file; PARLOC_DATA names the folder of the logs")
-    tasks = {(log, tuple(settings.items()), seed): partial(one_run, bench, log, tuple(settings.items()), seed)
-             for part in args.parts for log in args.logs for settings in PARTS[part][2].values()
-             for seed in range(1, (PARTS[part][1] or args.seeds) + 1)}
+    keys = [(log, tuple(settings.items()), seed) for part in args.parts for log in args.logs
+            for settings in PARTS[part][2].values() for seed in range(1, (PARTS[part][1] or args.seeds) + 1)]
     if args.jobs > 1:
         print("slam_logs.py: with several runs at a time none has its own time", file=sys.stderr)
-    return study(bench, args.name, tasks, text_of, page, holds=lambda record: all(kept for _, _, kept in judged(record)),
-                 parts=args.parts, seeds=args.seeds)
+    return study(bench, args.name, one_run, keys, text_of, page, parts=args.parts, seeds=args.seeds,
+                 holds=lambda record: all(kept for _, _, kept in judged(record)))
 
 
 if __name__ == "__main__":
