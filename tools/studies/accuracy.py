@@ -36,8 +36,9 @@ LOGS = {
 
 
 def paper_run(bench, particles, beams, seed):
+    files = files_of(PAPER_MAP, bench.folder / f"log_{seed}")
     metrics, errors, _ = localize(bench, f"{particles}x{beams}_{seed}", seed, [
-        *files_of(PAPER_MAP, bench.folder / f"log_{seed}"), "--config", PAPER_CONFIG, "--particles", particles, "--beams", beams])
+        *files, "--config", PAPER_CONFIG, "--particles", particles, "--beams", beams])
     settled = [e[1] for e in errors if e[0] >= errors[0][0] + SETTLING_S]
     values = {"particles": particles, "beams": beams, "seed": seed, **common_values(metrics), "max_settled_m": max(settled)}
     config = metrics["config"]

@@ -50,12 +50,9 @@ class Program:
         try:
             out, err = process.communicate(timeout=self.timeout_s)
         except subprocess.TimeoutExpired:
-            process.kill()
             raise Failure(3, f"{self.path} took longer than {self.timeout_s} s") from None
-        except BaseException:
-            process.kill()
-            raise
         finally:
+            process.kill()  # nothing happens to one that has ended
             with self.lock:
                 self.running.discard(process)
         if process.returncode != 0:

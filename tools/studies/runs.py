@@ -43,6 +43,16 @@ def simulate(bench, scenario, seed, name, lidar=None):
     return out, bench.program("simulate", "--scenario", scenario, *seeded, "--out", out)
 
 
+def report_of(bench, command, name, arguments):
+    """What `parloc COMMAND` writes into the folder NAME (COMMAND.json), in which no folder of this machine is named."""
+    out = bench.folder / name
+    bench.program(command, "--quiet", "--out", out, *arguments)
+    text = (out / f"{command}.json").read_text()
+    for folder, name_of in ((str(bench.args.data), "$PARLOC_DATA"), (f"{ROOT}/", ""), (f"{bench.folder}/", "")):
+        text = text.replace(folder, name_of)
+    return json.loads(text)
+
+
 def files_of(grid, folder):
     """Options for a simulated log on a map."""
     return ["--map", grid, "--log", folder / "scans.log", "--truth", folder / "truth.tum"]

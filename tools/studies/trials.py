@@ -12,8 +12,9 @@ import os
 import sys
 
 import measuring
-from measuring import LOGS_FOLDER, ROOT, count, option, path, subset
+from measuring import LOGS_FOLDER, count, option, path, subset
 from pages import fixed
+from runs import report_of
 
 OFFICE, WORKS = "configs/office_scenario.yaml", "configs/works_scenario.yaml"
 SCENES = {  # row: arguments, trials; real logs: folder, map
@@ -86,14 +87,11 @@ def arguments_of(args, name):
 
 
 def evaluate(bench, name, arguments):
-    args, out = bench.args, bench.folder / name
+    args, arguments = bench.args, [*arguments, "--jobs", bench.args.jobs]
     samples = ["--samples", args.samples / f"{name}.csv"] if args.samples else []
-    bench.program("evaluate", *arguments, "--jobs", args.jobs, "--quiet", "--out", out, *samples)
-    text = (out / "evaluate.json").read_text().replace(str(args.data), "$PARLOC_DATA")
-    result = json.loads(text.replace(f"{ROOT}/", ""))
+    result = report_of(bench, "evaluate", name, [*arguments, *samples])
     del result["trials"]
-    result["command"] = "parloc evaluate " + " ".join(str(a) for a in [*arguments, "--jobs", args.jobs]).replace(
-        str(args.data), "$PARLOC_DATA")
+    result["command"] = f"parloc evaluate {' '.join(map(str, arguments))}".replace(str(args.data), "$PARLOC_DATA")
     return result
 
 
