@@ -12,6 +12,7 @@ import math
 import sys
 
 import measuring
+from logs import RECORDED
 from measuring import JOBS, LOGS_FOLDER, ROOT, Failure, count, option
 from pages import average, circumstances_text, first_lines, share_of, study, table, table_of_groups, where, within, worst
 from runs import common_values, files_of, localize, rms, simulate
@@ -22,13 +23,12 @@ SETTLING_S = 1.0  # the maximum counts from here on
 PAPER_BARS = {"mean_m": 0.015, "max_settled_m": 0.06, "heading_rmse_deg": 0.6}
 
 SLOW_RAD_S = 0.02  # below this yaw rate the interpolated truth of tb3_house is good in heading
-# Name: folder under --data, or None for the logs that ship in maps/logs; map; bars.
-LOGS = {
-    "intel": ("intel", "map.yaml", {"mean_m": 0.080, "max_m": 0.35, "relation_m": 0.045}),
-    "aces": ("aces", "map.yaml", {"mean_m": 0.075, "max_m": 0.40, "relation_m": 0.050}),
-    "tb3_house": ("tb3_house", "map_05.yaml", {"rmse_m": 0.03, "heading_rmse_deg": 1.25, "heading_rmse_slow_deg": 0.8}),
-    "malaga_corridor": (None, "maps/malaga_corridor.yaml", {}),
-    "malaga_faculty": (None, "maps/malaga_faculty.yaml", {}),
+LOG_BARS = {
+    "intel": {"mean_m": 0.080, "max_m": 0.35, "relation_m": 0.045},
+    "aces": {"mean_m": 0.075, "max_m": 0.40, "relation_m": 0.050},
+    "tb3_house": {"rmse_m": 0.03, "heading_rmse_deg": 1.25, "heading_rmse_slow_deg": 0.8},
+    "malaga_corridor": {},
+    "malaga_faculty": {},
 }
 
 
@@ -103,14 +103,13 @@ def paper(bench):
 
 def log_files(name, data):
     """Options of `parloc run` for one log."""
-    folder, grid, _ = LOGS[name]
-    if folder is None:
-        files = {"--map": ROOT / grid, "--log": ROOT / f"maps/logs/{name}.log.gz", "--truth": ROOT / f"maps/logs/{name}.tum"}
+    home, shipped = data / name, ROOT / "maps/logs"
+    if name in RECORDED:
+        files = {"--map": home / RECORDED[name], "--log": home / "scans.log", "--truth": home / "reference.tum"}
     else:
-        home = data / folder
-        files = {"--map": home / grid, "--log": home / "scans.log", "--truth": home / "reference.tum"}
-        if "relation_m" in LOGS[name][2]:
-            files["--relations"] = home / "relations.txt"
+        files = {"--map": ROOT / f"maps/{name}.yaml", "--log": shipped / f"{name}.log.gz", "--truth": shipped / f"{name}.tum"}
+    if "relation_m" in LOG_BARS[name]:
+        files["--relations"] = home / "relations.txt"
     for path in files.values():
         if not path.is_file():
             raise Failure(2, f"{path}: not found; give the folder of the real logs with --data or PARLOC_DATA, or --shipped "
@@ -125,7 +124,7 @@ def log_run(bench, name, seed):
         values["relation_m"] = metrics["relations"]["translation_mean_m"]
         values["relation_std_m"] = metrics["relations"]["translation_std_m"]
         values["relations"] = metrics["relations"]["compared"]
-    bars = LOGS[name][2]
+    bars = LOG_BARS[name]
     if "heading_rmse_slow_deg" in bars:
         rates = [truth.yaw_rate(e[0]) for e in errors]
         slow = [e[2] for e, rate in zip(errors, rates, strict=True) if rate is not None and abs(rate) < SLOW_RAD_S]
@@ -151,7 +150,7 @@ def log_tables(runs):
     header = [title for _, title, _ in LOG_COLUMNS]
     worst_rows = []
     for name in dict.fromkeys(run["log"] for run in runs):
-        group, bars = where(runs, log=name), LOGS[name][2]
+        group, bars = where(runs, log=name), LOG_BARS[name]
         worsts = {key: max(run[key] for run in group) for key, _, _ in LOG_COLUMNS if key in group[0]}
         worst_rows.append((name, *log_cells(worsts, bars), good_text(group) if bars else "no bars"))
     all_rows = [(run["log"], str(run["seed"]), *log_cells(run, {})) for run in runs]
@@ -197,14 +196,14 @@ The default configuration, unchanged, for every log: sensor model `{config["sens
 
 def logs(bench):
     """real logs, known start"""
-    names = [name for name, (folder, _, _) in LOGS.items() if folder is None or not bench.args.shipped]
+    names = [name for name in LOG_BARS if name not in RECORDED or not bench.args.shipped]
     for name in names:
         log_files(name, bench.args.data)  # says what is missing before anything is measured
     keys = list(itertools.product(names, range(1, bench.args.seeds + 1)))
     return study(bench, "real_logs", log_run, keys, lambda key, run: (
         f"{key[0]}, seed {key[1]}: mean {run['mean_m']:.4f} m, maximum {run['max_m']:.3f} m, heading "
         f"{run['heading_rmse_deg']:.3f} deg{'' if run.get('within_bars', True) else '  MISSED'}"), logs_page,
-        what="logs", bars={name: LOGS[name][2] for name in names})
+        what="logs", bars={name: LOG_BARS[name] for name in names})
 
 
 if __name__ == "__main__":

@@ -21,8 +21,8 @@ from poses import compose, relative
 from runs import FILTER_ALONE, files_of, localize, simulate, yaml_text
 
 BAR = {"particles": 1000, "error_ratio": 1.2, "step_ms": 1.5}
-RATES = {"off": None, "0.001 / 0.1 / 1": (0.001, 0.1, 1), "0.001 / 0.1 / 2": (0.001, 0.1, 2),
-         "0.001 / 0.1 / 3": (0.001, 0.1, 3)}
+RATES = {"off": {}, **{f"0.001 / 0.1 / {margin}": {"recovery": {
+    "recovery_alpha_slow": 0.001, "recovery_alpha_fast": 0.1, "recovery_margin": margin}} for margin in (1, 2, 3)}}
 FIXED = {"fixed, 4000": {"particles": 4000}, "fixed, 500": {"particles": 500}}
 KLD = {"100 to 4000": {"min_particles": 100, "max_particles": 4000},
        "500 to 4000": {"min_particles": 500, "max_particles": 4000},
@@ -33,18 +33,10 @@ MODELS = ("likelihood_field", "class_conditional")
 SCENES = {"office": "configs/office_scenario.yaml", PEOPLE: "configs/office_clutter_scenario.yaml"}
 BEFORE_S, GONE_S, AFTER_S = 20.0, 60.0, 60.0  # of log before the robot is carried off, cut out, and after it
 FOUND_M, FOUND_RAD, HELD_S = 0.5, math.radians(10), 10.0
-
-
-def recovery(rates):
-    return {"recovery": {"recovery_alpha_slow": rates[0], "recovery_alpha_fast": rates[1],
-                         "recovery_margin": rates[2]}} if rates else {}
-
-
 ADAPTIVE, WIDE = KLD["100 to 4000"], {"min_particles": 100, "max_particles": 20000}
-RECOVERING = {f"{model}, {name}": {"sensor": {"model": model}, **recovery(rates)}
-              for model in MODELS for name, rates in RATES.items()}
+RECOVERING = {f"{model}, {name}": {"sensor": {"model": model}, **rates} for model in MODELS for name, rates in RATES.items()}
 VARIANTS = {  # scene: name: settings
-    "office": {**FIXED, **KLD, **{f"100 to 4000, {name}": {**ADAPTIVE, **recovery(rates)} for name, rates in RATES.items()}},
+    "office": {**FIXED, **KLD, **{f"100 to 4000, {name}": {**ADAPTIVE, **rates} for name, rates in RATES.items()}},
     PEOPLE: {name: {**ADAPTIVE, **settings} for name, settings in RECOVERING.items()},
     "kidnapped": {**{name: {**WIDE, **settings} for name, settings in RECOVERING.items() if name != f"{MODELS[1]}, off"},
                   "likelihood_field, off, widened below 0.3": {**WIDE, "recovery": {"expansion_likelihood": 0.3}}},
@@ -55,14 +47,8 @@ def localized(bench, name, settings, seed, folder):
     return localize(bench, name, seed, files_of("maps/office.yaml", folder), yaml_text({**settings, **FILTER_ALONE}))
 
 
-def one_run(bench, scene, name, number):
-    """The run of a seed, or of a trial of kidnapping."""
-    run = kidnapping_run if scene == "kidnapped" else tracking_run
-    return run(bench, scene, name, VARIANTS[scene][name], number)
-
-
-def tracking_run(bench, scene, name, settings, seed):
-    metrics, _, _ = localized(bench, f"{scene}_{name}_{seed}", settings, seed, bench.folder / f"{scene}_{seed}")
+def tracking_run(bench, scene, name, seed):
+    metrics, _, _ = localized(bench, f"{scene}_{name}_{seed}", VARIANTS[scene][name], seed, bench.folder / f"{scene}_{seed}")
     return {"scene": scene, "variant": name, "seed": seed, "rmse_cm": 100 * metrics["position_rmse_m"],
             "max_cm": 100 * metrics["position_max_m"], "heading_rmse_deg": math.degrees(metrics["heading_rmse_rad"]),
             "nees": metrics["nees"]["mean"], "particles": metrics["particles"], "injected": metrics["injected_mean"],
@@ -86,10 +72,10 @@ def carry_off(drive, cut_s, to):
     return to
 
 
-def kidnapping_run(bench, scene, name, settings, trial):
+def kidnapping_run(bench, scene, name, trial):
     cut_s = BEFORE_S + 5.0 + 13.0 * trial % 150.0
     folder = carry_off(bench.folder / "office_1", cut_s, bench.folder / f"kidnapped_{name.replace('/', '')}_{trial}")
-    _, errors, _ = localized(bench, f"{folder.name}_run", settings, trial + 1, folder)
+    _, errors, _ = localized(bench, f"{folder.name}_run", VARIANTS[scene][name], trial + 1, folder)
     found_s = None
     for stamp, position_m, heading_rad in errors:
         if stamp < cut_s:
@@ -200,6 +186,11 @@ nothing had happened. 100 to 20,000 particles. Found: within {FOUND_M} m and 10 
 {circumstances_text(record)}
 | load | {load[0]:.1f} before, {load[1]:.1f} after (processes that wanted to run, of which one was this; {os.cpu_count()} cores) |
 """  # noqa: E501
+
+
+def one_run(bench, scene, name, number):
+    """Of a seed, or of a trial of kidnapping."""
+    return (kidnapping_run if scene == "kidnapped" else tracking_run)(bench, scene, name, number)
 
 
 def run(bench):

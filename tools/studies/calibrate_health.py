@@ -36,9 +36,9 @@ def read_samples(paths):
                 if missing:
                     raise Failure(2, f"{path}: expected the columns {', '.join(NEEDED)}, found no {missing[0]}")
                 samples += [sample for row in rows if (sample := sample_of(path, row))]
-        except (KeyError, TypeError, ValueError) as error:
-            if isinstance(error, UnicodeDecodeError):
-                raise Failure(2, f"{path}: cannot be read ({error})") from None
+        except UnicodeDecodeError as error:
+            raise Failure(2, f"{path}: cannot be read ({error})") from None
+        except (KeyError, TypeError, ValueError):
             raise Failure(2, f"{path}:{rows.line_num}: expected numbers, and 0 or 1 for right") from None
     return samples
 

@@ -12,6 +12,7 @@ import os
 import sys
 
 import measuring
+from logs import RECORDED
 from measuring import LOGS_FOLDER, Failure, count, subset
 from pages import CIRCUMSTANCES, bars_table, circumstance_cells, circumstances, fixed, table, table_of
 from runs import report_of
@@ -32,7 +33,6 @@ SLOWEST = ",".join(f"{kind}@{n}" for kind, n in SLOW)
 MANY = "edh@100000,edh@1000000"
 FILTERS = ",".join(["mcl", "amcl", "ekf", "ekf_beams", *[f"{kind}@100" for kind in FLOWS]])
 PUBLISHED = ",".join([TURTLEBOT, f"ekf={STUDY}", f"edh@100={STUDY}"])
-LOGS = {"tb3_house": "map_05.yaml", "intel": "map.yaml", "aces": "map.yaml"}
 TROUBLE_KAPPA = "1e-4"
 TROUBLES = {  # name: arguments
     "none": [],
@@ -91,11 +91,11 @@ def speed(args, run):
 
 def logs(args, run):
     results = {}
-    for name, grid in LOGS.items():
+    for name in ("tb3_house", "intel", "aces"):
         home = args.data / name
         results[name] = run(f"log_{name}", [
-            "--log", home / "scans.log", "--truth", home / "reference.tum", "--map", home / grid, "--filters", FILTERS,
-            *seeds_of(args, min(5, args.seeds))])
+            "--log", home / "scans.log", "--truth", home / "reference.tum", "--map", home / RECORDED[name],
+            "--filters", FILTERS, *seeds_of(args, min(5, args.seeds))])
     return results
 
 

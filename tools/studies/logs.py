@@ -8,6 +8,7 @@ from dataclasses import dataclass
 from measuring import Failure
 from poses import compose, relative, wrap
 
+RECORDED = {"intel": "map.yaml", "aces": "map.yaml", "tb3_house": "map_05.yaml"}  # the maps of the logs in the data's folder
 MAX_TRUTH_GAP_S = 1.5  # as parloc itself interpolates
 
 
