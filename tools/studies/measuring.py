@@ -151,14 +151,10 @@ def parse(description, commands, arguments=None):
     return args
 
 
-def interrupt(*_):
-    raise KeyboardInterrupt
-
-
 def reported(work):
     """What work() returns, with one line and an exit code for what goes wrong."""
     name = pathlib.Path(sys.argv[0]).name
-    signal.signal(signal.SIGTERM, interrupt)
+    signal.signal(signal.SIGTERM, signal.default_int_handler)
     try:
         return work()
     except Failure as failure:

@@ -15,19 +15,13 @@ from measuring import ROOT
 # ---- Where and how it was measured -------------------------------------------------------------------------------------
 
 
-def git(*arguments):
-    try:
-        return subprocess.run(["git", *arguments], cwd=ROOT, check=True, capture_output=True, text=True).stdout.strip()
-    except (OSError, subprocess.CalledProcessError):
-        return None
-
-
 def commit():
     """The commit of this tree; -dirty if a file that git knows differs from it."""
-    short = git("rev-parse", "--short", "HEAD")
-    if short is None:
+    command = ["git", "--no-optional-locks", "describe", "--always", "--dirty", "--exclude=*"]  # by its hash, never by a tag
+    try:
+        return subprocess.run(command, cwd=ROOT, check=True, capture_output=True, text=True).stdout.strip()
+    except (OSError, subprocess.CalledProcessError):
         return "unknown (no git repository)"
-    return short + ("-dirty" if git("--no-optional-locks", "status", "--porcelain", "--untracked-files=no") else "")
 
 
 def cpu_model():

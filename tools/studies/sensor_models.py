@@ -94,10 +94,8 @@ def bounds_of(seeds):
 
 def nees_table(runs, seeds):
     low, high = bounds_of(seeds)
-    keys = sorted({(r["scene"], r["model"], r["effective_beams"]) for r in runs},
-                  key=lambda k: (-ord(k[0][0]), MODELS.index(k[1]), k[2]))
-    groups = {(scene, model, f"{beams:g}"): where(runs, scene=scene, model=model, effective_beams=beams)
-              for scene, model, beams in keys}
+    groups = {(r["scene"], r["model"], f"{r['effective_beams']:g}"):
+              where(runs, scene=r["scene"], model=r["model"], effective_beams=r["effective_beams"]) for r in runs}
 
     def verdict(group):
         value = mean(group, "nees_mean")
