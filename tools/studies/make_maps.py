@@ -13,6 +13,7 @@ are, which moves walls neither inwards nor outwards on average.
 
 import math
 import random
+from itertools import pairwise
 
 import numpy as np
 from grids import FREE, OCCUPIED, UNKNOWN, grid_of, write_map
@@ -169,10 +170,10 @@ def south_rooms(floor):
     walls = [4.913, 9.587, 14.263, 18.937, 23.614, 30.367, 35.041, 43.286]
     for x in walls:
         floor.rect(x - THIN / 2, 0.2, x + THIN / 2, 7.33)
-    lefts, rights = [0.237] + walls, walls + [52.163]
-    doors = [left + 1.17 for left in lefts[:5]] + [26.437, 29.118, 32.663, 37.482, 41.538, 45.263, 50.417]
+    alike = list(pairwise([0.237, *walls[:5]]))
+    doors = [left + 1.17 for left, _ in alike] + [26.437, 29.118, 32.663, 37.482, 41.538, 45.263, 50.417]
     wall_with_doors(floor, 7.334, 0.2, 52.2, doors, vertical=False)
-    for left, right in list(zip(lefts, rights, strict=True))[:5]:
+    for left, right in alike:
         desk(floor, right - 1.347, 1.263, 180.0)
         desk(floor, right - 1.347, 4.462)
         floor.box(left + 0.33, 3.217, 0.44, 1.68)

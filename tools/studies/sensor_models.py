@@ -94,8 +94,9 @@ def bounds_of(seeds):
 
 def nees_table(runs, seeds):
     low, high = bounds_of(seeds)
-    groups = {(r["scene"], r["model"], f"{r['effective_beams']:g}"):
-              where(runs, scene=r["scene"], model=r["model"], effective_beams=r["effective_beams"]) for r in runs}
+    keys = dict.fromkeys((r["scene"], r["model"], r["effective_beams"]) for r in runs)
+    groups = {(scene, model, f"{beams:g}"): where(runs, scene=scene, model=model, effective_beams=beams)
+              for scene, model, beams in keys}
 
     def verdict(group):
         value = mean(group, "nees_mean")

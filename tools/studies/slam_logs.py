@@ -130,25 +130,27 @@ def part_table(record, part):
     return table_of_groups(("log", ""), groups, COLUMNS) if groups else "Not measured."
 
 
-RELATIONS_TEXT = """
+def page(record):
+    partial = f"\n**Partial: {record['ended_by']}.**\n" if record["partial"] else ""
+    parts = "".join(f"\n## {PARTS[part][0]}\n\n{part_table(record, part)}\n" for part in record["parts"])
+    published = [(log, *(f"{figure:.3f}" for figure in figures)) for log, figures in PUBLISHED.items()]
+    return f"""# Maps from recorded logs
+
+How it works: [slam](../slam.md).
+{partial}
+{bars_table(judged(record))}
+
 Relation error: mean over the relations; mean over the seeds and, in brackets, from best to worst. "Ancestors half way": how \
 many poses of the scan in the middle the particles of the end go back to. "One way": scans from the start on for which that \
 is one. 2580 scans are taken in of Intel, 1279 of ACES. Times are of both cores, and the sum of what they worked.
-"""
+{parts}
+## Published
 
+Kuemmerle et al. 2009, translation [m]; from a secondary tabulation:
 
-def page(record):
-    text = "# Maps from recorded logs\n\nHow it works: [slam](../slam.md).\n"
-    if record["partial"]:
-        text += f"\n**Partial: {record['ended_by']}.**\n"
-    text += "\n" + bars_table(judged(record)) + "\n"
-    text += RELATIONS_TEXT
-    for part in record["parts"]:
-        text += f"\n## {PARTS[part][0]}\n\n{part_table(record, part)}\n"
-    text += "\n## Published\n\nKuemmerle et al. 2009, translation [m]; from a secondary tabulation:\n\n"
-    text += table(("log", "scan matching", "RBPF, 50 particles", "graph mapping"),
-                  [(log, *(f"{v:.3f}" for v in PUBLISHED[log])) for log in PUBLISHED])
-    return text + "\n\n" + circumstances_text(record)
+{table(("log", "scan matching", "RBPF, 50 particles", "graph mapping"), published)}
+
+{circumstances_text(record)}"""
 
 
 def run(bench):
