@@ -18,7 +18,7 @@ from logs import carmen_text, read_log
 from measuring import JOBS, count
 from pages import average, circumstances, circumstances_text, mean, share_of, table_of_groups, where, worst, write_results
 from poses import compose, relative
-from runs import FILTER_ALONE, files_of, localize, simulate, yaml_text
+from runs import files_of, localize, simulate, yaml_text
 
 BAR = {"particles": 1000, "error_ratio": 1.2, "step_ms": 1.5}
 RATES = {"off": {}, **{f"0.001 / 0.1 / {margin}": {"recovery": {
@@ -44,7 +44,7 @@ VARIANTS = {  # scene: name: settings
 
 
 def localized(bench, name, settings, seed, folder):
-    return localize(bench, name, seed, files_of("maps/office.yaml", folder), yaml_text({**settings, **FILTER_ALONE}))
+    return localize(bench, name, seed, files_of("maps/office.yaml", folder), yaml_text(settings))
 
 
 def tracking_run(bench, scene, name, seed):
@@ -209,8 +209,7 @@ def run(bench):
     load.append(os.getloadavg()[0])
     record = {"partial": False, **facts, "backend": runs[0]["backend"], "load": load, "bar": BAR, "runs": runs}
     record["within_bar"] = all(judge(record)[key] <= BAR[key] for key in BAR)
-    write_results(bench.args.out, "amcl", record, page(record))
-    return 0 if record["within_bar"] else 1
+    return write_results(bench, "amcl", record, page, record["within_bar"])
 
 
 if __name__ == "__main__":

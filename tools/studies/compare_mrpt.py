@@ -259,10 +259,7 @@ def compare(bench):
               "configs": {row.model: (work / f"{row.model}.yaml").read_text() for row in ROWS if row.model},
               "ini": {row.key: (work / f"{row.key}.ini").read_text().replace(f"{work}/", "") for row in ROWS if not row.model},
               "runs": summary(rounds)}
-    write_results(args.out, "mrpt", record, page(record))
-    if end:
-        raise end
-    return 0
+    return write_results(bench, "mrpt", record, page, end=end)
 
 
 if __name__ == "__main__":

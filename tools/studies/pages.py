@@ -154,15 +154,19 @@ def json_text(record):
     return f'{head[:-2]},\n "runs": [\n  {runs}\n ]\n}}\n'
 
 
-def write_results(folder, name, record, text):
-    """NAME.md and NAME.json; a partial result gets its own name so that it replaces no complete one."""
+def write_results(bench, name, record, page, kept=True, end=None):
+    """Writes NAME.md and NAME.json and gives the exit code, by whether the bars are kept, or raises what ended the runs. A
+    partial result gets its own name so that it replaces no complete one."""
     stem = name + (".partial" if record["partial"] else "")
-    for suffix, content in ((".json", json_text(record)), (".md", text.rstrip() + "\n")):
-        path = folder / (stem + suffix)
+    for suffix, content in ((".json", json_text(record)), (".md", page(record).rstrip() + "\n")):
+        path = bench.args.out / (stem + suffix)
         draft = path.with_name(path.name + ".tmp")
         draft.write_text(content)
         draft.replace(path)
         print(path, file=sys.stderr)
+    if end:
+        raise end
+    return 0 if kept else 1
 
 
 def study(bench, name, run, keys, text_of, page, refine=None, holds=None, **facts):
@@ -179,8 +183,5 @@ def study(bench, name, run, keys, text_of, page, refine=None, holds=None, **fact
     record = {"partial": end is not None, "ended_by": str(end) if end else None, "runs_planned": len(set(keys)),
               **facts, "backend": ", ".join(sorted(backends)),
               "config": {key: value for key, value in configs[0].items() if key != "seed"}, "runs": runs}
-    write_results(bench.args.out, name, record, page(record))
-    if end:
-        raise end
     kept = all(run.get("within_bars", True) for run in runs) and (holds is None or holds(record))
-    return 0 if kept else 1
+    return write_results(bench, name, record, page, kept, end)

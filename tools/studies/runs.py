@@ -9,8 +9,6 @@ from logs import Truth, read_tum
 from measuring import ROOT, Failure
 from poses import wrap
 
-FILTER_ALONE = {"localize": {"health": False}}  # of a configuration: no search helps the filter
-
 
 def yaml_text(settings, indent=""):
     """Of a configuration or a scenario; a group without settings is left out."""
@@ -72,11 +70,12 @@ def rms(values):
 
 
 def localize(bench, name, seed, arguments, config=None):
-    """The metrics of one run, its pose errors, and the truth. `config` is the text of a configuration."""
+    """The metrics of one run, its pose errors, and the truth. `config` is the text of a configuration, with which no search
+    helps the filter."""
     out = bench.folder / "".join(letter for letter in name.replace(" ", "_") if letter not in ",/")
     if config is not None:
         path = out.with_name(f"{out.name}.yaml")
-        path.write_text(config)
+        path.write_text(config + yaml_text({"localize": {"health": False}}))
         arguments = [*arguments, "--config", path]
     try:
         metrics = json.loads(bench.program("run", *arguments, "--seed", seed, "--threads", 1, "--json", "--quiet", "--out",

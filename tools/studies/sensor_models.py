@@ -13,7 +13,7 @@ from functools import partial
 import measuring
 from measuring import JOBS, count
 from pages import average, circumstances_text, first_lines, mean, share_of, study, table, table_of_groups, where, worst
-from runs import FILTER_ALONE, common_values, files_of, localize, simulate, yaml_text
+from runs import common_values, files_of, localize, simulate, yaml_text
 
 SCENES = {"office": ("configs/office_scenario.yaml", "maps/office.yaml"),
           "clutter": ("configs/office_clutter_scenario.yaml", "maps/office.yaml"),
@@ -36,7 +36,7 @@ def simulated(bench, scene, seed):
 def model_run(bench, scene, seed, label, settings):
     log = f"{scene}_{seed}"
     metrics, _, _ = localize(bench, f"{log}_{label}", seed, files_of(SCENES[scene][1], bench.folder / log),
-                             yaml_text({"sensor": settings, **FILTER_ALONE}))
+                             yaml_text({"sensor": settings}))
     nees = metrics["nees"]
     return {"scene": scene, "seed": seed, "model": label, "settings": settings,
             "effective_beams": metrics["config"]["sensor"]["effective_beams"],
