@@ -87,23 +87,18 @@ def save_coarse(name, cells, origin=(0.0, 0.0), image=".pgm"):
 
 
 # ---- the hall: 20 x 10 m --------------------------------------------------------------------------------------------
-def hall_walls(floor):
+def hall(name="hall"):
+    floor = Floor(name, 20.0, 10.0)
     floor.rect(0.0, 0.0, 0.068, 10.0)
     floor.rect(19.934, 0.0, 20.0, 10.0)
     floor.rect(0.0, 0.0, 20.0, 0.057)
     floor.rect(0.0, 9.938, 20.0, 10.0)
-
-
-def hall():
-    floor = Floor("hall", 20.0, 10.0)
-    hall_walls(floor)
-    floor.save()
+    return floor
 
 
 def hall_obstacles():
     """The hall with partition walls, pillars and boxes; nowhere symmetric, so that a scan says where it was taken."""
-    floor = Floor("hall_obstacles", 20.0, 10.0)
-    hall_walls(floor)
+    floor = hall("hall_obstacles")
     floor.wall(5.327, 6.412, 5.327, 9.95)          # partition walls
     floor.wall(9.884, 0.05, 9.884, 2.673)
     floor.wall(14.618, 5.236, 17.437, 5.236)
@@ -121,12 +116,20 @@ def hall_obstacles():
     floor.box(15.762, 8.963, 0.73, 0.52, -18.0)
     floor.box(18.862, 0.383, 1.43, 0.41)
     floor.box(7.637, 0.402, 0.93, 0.43)
-    floor.save()
+    return floor
 
 
 # ---- the office: 52.4 x 31.7 m --------------------------------------------------------------------------------------
 THIN, THICK = 0.11, 0.237
-DOOR_M = 0.96
+DOOR_M, MARGIN_M = 0.96, 0.8
+
+
+def building(name, width, height):
+    """An outer wall all around, beyond which nothing is known."""
+    floor = Floor(name, width + 2 * MARGIN_M, height + 2 * MARGIN_M, origin=(-MARGIN_M, -MARGIN_M), fill=UNKNOWN)
+    floor.rect(0.0, 0.0, width, height)
+    floor.rect(THICK, THICK, width - THICK, height - THICK, FREE)
+    return floor
 
 
 def wall_with_doors(floor, fixed, start, end, doors, vertical):
@@ -296,15 +299,12 @@ def corridor_things(floor):
 
 
 def office():
-    margin = 0.8
-    floor = Floor("office", 54.0, 33.3, origin=(-margin, -margin), fill=UNKNOWN)
-    floor.rect(0.0, 0.0, 52.4, 31.7)
-    floor.rect(THICK, THICK, 52.4 - THICK, 31.7 - THICK, FREE)
+    floor = building("office", 52.4, 31.7)
     south_rooms(floor)
     north_rooms(floor)
     core(floor)
     corridor_things(floor)
-    floor.save()
+    return floor
 
 
 # ---- the works: 132 x 92 m of random rooms ----------------------------------------------------------------------------
@@ -337,10 +337,8 @@ def row_of_rooms(floor, draw, left, right, low, high, door_y):
 
 def works():
     """More than 10,000 m2: five corridors, two cross corridors, and rooms of random widths on both sides."""
-    margin, width, height, draw = 0.8, 132.0, 92.4, random.Random(5).random
-    floor = Floor("works", width + 2 * margin, height + 2 * margin, origin=(-margin, -margin), fill=UNKNOWN)
-    floor.rect(0.0, 0.0, width, height)
-    floor.rect(THICK, THICK, width - THICK, height - THICK, FREE)
+    width, height, draw = 132.0, 92.4, random.Random(5).random
+    floor = building("works", width, height)
     for row in range(5):                                        # a corridor between two rows of rooms each
         low = THICK + 18.4 * row
         deep, corridor = 6.3 + 1.9 * draw(), 1.9 + 0.9 * draw()
@@ -356,7 +354,7 @@ def works():
                 floor.rect(left, top, right, top + THIN)
         for _ in range(9):
             floor.box(1.0 + draw() * (width - 2.0), low + deep + 0.3, 0.5 + draw(), 0.4)
-    floor.save(image=".png")
+    return floor
 
 
 def empty():
@@ -365,8 +363,7 @@ def empty():
 
 
 if __name__ == "__main__":
-    hall()
-    hall_obstacles()
-    office()
-    works()
+    for plan in (hall(), hall_obstacles(), office()):
+        plan.save()
+    works().save(image=".png")
     empty()
