@@ -9,13 +9,10 @@
 #include <string>
 #include <vector>
 
-#include "tools/bench/json.h"
-#include "tools/bench/pages.h"
+#include "tools/bench/forms.h"
+#include "tools/bench/plan.h"
 #include "tools/bench/published.h"
-#include "tools/bench/scale_run.h"
 #include "tools/bench/steps/variants.h"
-#include "tools/bench/tables.h"
-#include "tools/bench/tables_run.h"
 #include "tools/report/text/numbers.h"
 #include "tools/report/text/table.h"
 

@@ -13,16 +13,14 @@
 #include "common/error.h"
 #include "common/simulator/simulator.h"
 #include "tests/unit/timing_rules.h"
-#include "tools/bench/json.h"
+#include "tools/bench/forms.h"
+#include "tools/bench/plan.h"
 #include "tools/bench/published.h"
-#include "tools/bench/scale_run.h"
-#include "tools/bench/steps/maps_folder.h"
 #include "tools/bench/steps/measure.h"
 #include "tools/bench/steps/memory.h"
 #include "tools/bench/steps/rig.h"
 #include "tools/bench/steps/scenes.h"
 #include "tools/bench/steps/variants.h"
-#include "tools/bench/tables_run.h"
 
 namespace parloc::tools::bench {
 namespace {

@@ -8,7 +8,6 @@
 #include <vector>
 
 #include "tests/unit/timing_rules.h"
-#include "tools/bench/steps/bisect.h"
 #include "tools/bench/steps/measure.h"
 #include "tools/report/machine/statistics.h"
 

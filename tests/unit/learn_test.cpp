@@ -7,8 +7,7 @@
 #include "common/config/config.h"
 #include "common/simulator/simulator.h"
 #include "tests/unit/temp_file.h"
-#include "tools/learn/learn_picture.h"
-#include "tools/learn/range_pairs.h"
+#include "tools/learn/learn.h"
 
 namespace parloc {
 namespace {

@@ -11,8 +11,8 @@
 #include "tests/unit/decoded_png.h"
 #include "tools/report/map_view.h"
 #include "tools/report/pictures/png_writer.h"
+#include "tools/report/plots/plot.h"
 #include "tools/report/plots/plot_shapes.h"
-#include "tools/report/plots/svg_plot.h"
 #include "tools/report/report_sections.h"
 #include "tools/report/text/html_text.h"
 

@@ -1,4 +1,4 @@
-#include "tools/learn/range_pairs.h"
+#include "tools/learn/learn.h"
 
 #include "common/error.h"
 #include "common/eval/metrics.h"

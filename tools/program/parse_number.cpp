@@ -1,4 +1,4 @@
-#include "tools/program/search_prior.h"
+#include "tools/program/parse_number.h"
 
 #include <fmt/format.h>
 
@@ -6,7 +6,6 @@
 #include <vector>
 
 #include "common/error.h"
-#include "tools/program/parse_number.h"
 
 namespace parloc::tools {
 namespace {
@@ -14,12 +13,8 @@ namespace {
 /// "a,b,c" as exactly `count` numbers.
 std::vector<double> parse_list(const char* option, const std::string& text, std::size_t count) {
   std::vector<double> numbers;
-  for (std::size_t from = 0;;) {
-    const std::size_t comma = text.find(',', from);
-    numbers.push_back(parse_number(option, text.substr(from, comma - from), -1e9, 1e9));
-    if (comma == std::string::npos) break;
-    from = comma + 1;
-  }
+  for (const std::string& word : split_at_commas(text))
+    numbers.push_back(parse_number(option, word, -1e9, 1e9));
   if (numbers.size() != count || numbers.back() < 0.0)
     throw Error(ErrorKind::usage,
                 fmt::format("{}: expected {} numbers, the last not negative, got '{}'", option, count, text));
@@ -27,6 +22,12 @@ std::vector<double> parse_list(const char* option, const std::string& text, std:
 }
 
 }  // namespace
+
+std::vector<std::string> split_at_commas(const std::string& text) {
+  std::vector<std::string> parts(1);
+  for (const char c : text) c == ',' ? void(parts.emplace_back()) : parts.back().push_back(c);
+  return parts;
+}
 
 SearchPrior parse_search_prior(const std::string& near, const std::string& heading) {
   SearchPrior prior;

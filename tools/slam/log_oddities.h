@@ -1,12 +1,24 @@
-// What is odd about the times of a log's scans; none of it ends the work.
+// What is odd about a log: odometry that is of no use, and the times of its scans.
 #pragma once
 
 #include <cstddef>
 #include <map>
 #include <string>
 
+#include "common/config/config.h"
+#include "common/io/log.h"
+
 namespace parloc::tools::slam {
 
+constexpr const char* kOdometryFromScans = "the log has no odometry that moves: taken from its scans";
+
+/// Whether a log of two scans or more has the same odometry throughout. Reads only until two readings differ.
+bool odometry_stands_still(LogReader& log);
+/// Has the odometry taken from the scans where the recorded one, that was to be used, never moves; whether it
+/// did so. A log that is not a plain file, and can be read only once, is not looked at.
+bool choose_odometry(const std::string& log_path, Config& config);
+
+/// None of what it counts ends the work.
 class ScanTimes {
  public:
   /// More between two scans is a gap: no LiDAR that maps is so slow.

@@ -1,8 +1,9 @@
-// Measured and expected ranges of a log whose poses are known.
+// The sensor model of a LiDAR, from a log whose poses are known: what `parloc learn` fits and draws.
 #pragma once
 
 #include <cstddef>
 #include <functional>
+#include <string>
 
 #include "common/eval/fit_mixture.h"
 #include "common/filter/filter_config.h"
@@ -23,5 +24,10 @@ struct RangePairsOfLog {
 RangePairsOfLog collect_range_pairs(const GridMap& map, LogReader& log, const Trajectory& poses,
                                     const FilterConfig& config,
                                     const std::function<bool(double fraction)>& keep_going);
+
+/// One PNG: density over measured minus expected range, logarithmic, of the beams that hit something where
+/// the map has a wall in reach: as measured, and as the mixture says for the same expected ranges. Throws
+/// Error{output}.
+void write_mixture_picture(const std::string& path, const RangePairs& ranges, const Mixture& mixture);
 
 }  // namespace parloc::tools

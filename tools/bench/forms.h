@@ -1,4 +1,4 @@
-// The results as tables: the same for the terminal, for Markdown and for the web page.
+// The results in their forms: JSON for programs; sentences, tables, plots and pages for people.
 #pragma once
 
 #include <string>
@@ -8,6 +8,9 @@
 #include "tools/report/text/table.h"
 
 namespace parloc::tools::bench {
+
+/// One object, fields in a fixed order, times in seconds; docs/bench.md explains them.
+std::string json_text(const Results& results);
 
 /// One published table beside what was measured here, in seconds; `*` marks what is within 40 ms.
 Table published_table(const Results& results, const Place& place, const PublishedTable& published);
@@ -24,5 +27,18 @@ Table stage_table(const Results& results, const Place& place, std::size_t varian
 Table beams_table(const Results& results, const Place& place);
 Table threads_table(const Results& results, const Place& place);
 Table largest_table(const Results& results, const Place& place);
+
+/// As the paper's: time over particles, one plot per number of beams, published curves (dashed) beside
+/// measured ones.
+std::string published_plots(const Results& results, const Place& place);
+
+/// Time over particles, rays per second over beams, and how much faster more threads are.
+std::string scale_plots(const Results& results, const Place& place);
+
+/// Lines of at most 100 characters.
+std::string terminal_page(const Results& results);
+std::string markdown_page(const Results& results);
+/// One file: style and drawings are inside, nothing is fetched.
+std::string html_page(const Results& results);
 
 }  // namespace parloc::tools::bench

@@ -1,4 +1,4 @@
-#include "tools/slam/odometry_choice.h"
+#include "tools/slam/log_oddities.h"
 #include "common/config/config.h"
 
 #include <cstddef>
