@@ -250,7 +250,7 @@ TEST(Mounting, DirectionsAreRememberedOnlyAsLongAsNothingChanges) {
   LidarConfig turned, mirrored;
   turned.yaw = 0.7;
   mirrored.upside_down = true;
-  OdometryTrack track(1.0);
+  OdometryTrack track(MotionConfig{});
   for (int k = 0; k < 6; ++k) track.add(99.9 + 0.05 * k, {0.02 * k, 0.0, 0.01 * k});
   Scan uneven = fan(40);
   for (int i = 0; i < 40; ++i) uneven.bearings_rad.push_back(0.001 * i * i);

@@ -54,7 +54,7 @@ TEST(BeamTime, ComesFromTheLidarThenTheLogThenTheScanGroup) {
 
 /// Drives an arc: speed, turn rate, readings every 50 ms around the scan's stamp.
 OdometryTrack arc(double speed_mps, double turn_rad_s) {
-  OdometryTrack track(1.0);
+  OdometryTrack track(MotionConfig{});
   for (int k = -3; k <= 4; ++k) {
     const double t = 0.05 * k, a = turn_rad_s * t;
     const double chord = a == 0.0 ? speed_mps * t : speed_mps * t * std::sin(a / 2) / (a / 2);
@@ -105,7 +105,7 @@ TEST(Deskewing, PutsEveryBeamWhereItWasTaken) {
 }
 
 TEST(Deskewing, OfAStandingRobotChangesNothing) {
-  OdometryTrack track(1.0);
+  OdometryTrack track(MotionConfig{});
   for (int k = 0; k < 6; ++k) track.add(99.9 + 0.05 * k, {5.0, -3.0, 2.0});
   const Scan scan = fan(397, -3.0, 0.015);
   ScanConfig config;
