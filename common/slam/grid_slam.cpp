@@ -9,7 +9,6 @@
 #include "common/file/output_file.h"
 #include "common/filter/step_front_end.h"
 #include "common/math/sha256.h"
-#include "common/slam/checkpoint_frame.h"
 #include "common/slam/checkpoint_values.h"
 #include "common/slam/loops/close_loops.h"
 #include "common/slam/path_tree.h"
