@@ -8,7 +8,7 @@
 
 #include "common/error.h"
 #include "common/file/bytes.h"
-#include "common/slam/checkpoint_frame.h"
+#include "common/slam/checkpoint_values.h"
 #include "common/slam/grid_slam.h"
 
 namespace {

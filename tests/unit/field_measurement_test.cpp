@@ -7,7 +7,7 @@
 #include <cmath>
 #include <random>
 
-#include "common/flow/scalar_ekf.h"
+#include "common/flow/kalman_update.h"
 #include "common/math/portable.h"
 #include "tests/unit/flow_scenes.h"
 #include "tests/unit/small_drive.h"

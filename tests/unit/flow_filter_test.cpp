@@ -12,6 +12,7 @@
 #include "common/config/config.h"
 #include "common/error.h"
 #include "common/eval/metrics.h"
+#include "common/filter/particle_filter.h"
 #include "common/flow/pose_algebra.h"
 #include "tests/unit/allocation_count.h"
 #include "tests/unit/small_drive.h"

@@ -9,7 +9,6 @@
 
 #include "common/filter/bind.h"
 #include "common/flow/field_measurement.h"
-#include "common/map/blocking_cells.h"
 #include "common/map/grid_map.h"
 #include "cpu/flow_stages.h"
 #include "tests/unit/measured_field.h"

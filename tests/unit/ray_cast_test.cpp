@@ -9,7 +9,7 @@
 
 #include "common/error.h"
 #include "common/filter/filter_backend.h"
-#include "common/map/blocking_cells.h"
+#include "common/map/grid_map.h"
 #include "common/map/rays/skip_field.h"
 #include "common/model/beams.h"
 

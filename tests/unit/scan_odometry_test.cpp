@@ -4,7 +4,7 @@
 #include <cmath>
 
 #include "common/eval/metrics.h"
-#include "common/filter/scan_intake.h"
+#include "common/filter/step_front_end.h"
 #include "common/slam/grid_slam_config.h"
 #include "common/slam/scan_odometry.h"
 #include "common/slam/slam_backend.h"
@@ -39,13 +39,11 @@ Trajectory truth_of_drive() {
 
 class Walker {
  public:
-  Walker() : odometry(make_cpu_scan_matcher({bind_matcher_rules(SlamConfig{}), 1, 0})) {
-    scan_.max_beams = GridSlamConfig{}.scan.max_beams;
-  }
+  Walker() : odometry(make_cpu_scan_matcher({bind_matcher_rules(SlamConfig{}), 1, 0})), front_end_(config_) {}
 
   void walk(const LogRecord& r) {
-    const std::size_t lidar = intake_.lidar_of(r.scan);
-    const bool enough = intake_.take(r.scan, lidar, scan_, {}, {}, track_, SlamConfig{}.resolution, beams_);
+    const std::size_t lidar = front_end_.lidar_of(r.scan);
+    const bool enough = front_end_.take(r.scan, {}, SlamConfig{}.resolution, beams_);
     path.push_back({r.stamp_s, odometry.step(r.stamp_s, beams_, lidar, enough)});
   }
   void walk(const std::vector<LogRecord>& scans) {
@@ -57,9 +55,8 @@ class Walker {
   Trajectory path;
 
  private:
-  ScanConfig scan_;
-  ScanIntake intake_;
-  OdometryTrack track_{1.0};
+  GridSlamConfig config_;
+  StepFrontEnd front_end_;
   BeamTable beams_;
 };
 

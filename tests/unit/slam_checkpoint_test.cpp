@@ -9,7 +9,7 @@
 #include <vector>
 
 #include "common/file/bytes.h"
-#include "common/slam/checkpoint_frame.h"
+#include "common/slam/checkpoint_values.h"
 #include "common/slam/grid_slam.h"
 #include "common/slam/grid_slam_config.h"
 #include "common/slam/slam_settings.h"
