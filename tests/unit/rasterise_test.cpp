@@ -6,7 +6,6 @@
 #include <algorithm>
 #include <cmath>
 #include <random>
-#include <string>
 #include <utility>
 #include <vector>
 
@@ -15,8 +14,7 @@
 namespace parloc {
 namespace {
 
-// ---- cells
-// ---------------------------------------------------------------------------------------------------
+// ---- cells ------------------------------------------------------------------------------------------------
 
 /// How far the closed cell is from the segment, both in cells: 0 if they touch. By the separating axes: the
 /// largest gap between their shadows on the axes and on the segment's normal.
