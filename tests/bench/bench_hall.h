@@ -4,7 +4,6 @@
 #include <benchmark/benchmark.h>
 
 #include <chrono>
-#include <string>
 
 #include "common/error.h"
 #include "common/filter/filter_backend.h"

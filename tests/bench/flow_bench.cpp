@@ -4,7 +4,6 @@
 // The place is that of stage_bench: the hall with obstacles, an 8 m LiDAR of 270 degrees, a scan simulated
 // against the map of 1 cm; 360 of its beams. The robot goes to and fro by 5 cm, so that every iteration has
 // motion and starts near where the one before began. RayWall clock.
-#include <string>
 
 #include "common/config/config.h"
 #include "common/config/pose_filters.h"

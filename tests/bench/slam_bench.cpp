@@ -6,11 +6,7 @@
 // the work of the next one is restored, outside the clock; only random numbers are new. Cells go on counting,
 // and are halved when they are full. RayWall clock; some minutes for all, on a machine with nothing else to
 // do.
-#include <algorithm>
-#include <cmath>
 #include <random>
-#include <string>
-#include <vector>
 
 #include "common/filter/bind.h"
 #include "common/model/motion.h"

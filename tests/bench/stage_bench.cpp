@@ -7,9 +7,6 @@
 // numbers are new each time, or the branch predictor would know 4000 of them by heart. The clock runs
 // until finish() has returned, that is until a device is done. Times are wall clock (UseManualTime).
 #include <map>
-#include <memory>
-#include <string>
-#include <vector>
 
 #include "common/filter/bind.h"
 #include "common/filter/start.h"

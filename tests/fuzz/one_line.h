@@ -2,10 +2,8 @@
 // line.
 #pragma once
 
-#include <cstddef>
 #include <cstdint>
 #include <cstdlib>
-#include <string>
 #include <utility>
 
 #include "common/error.h"

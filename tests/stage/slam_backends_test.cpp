@@ -3,9 +3,7 @@
 // ancestors and maps.
 #include <gtest/gtest.h>
 
-#include <algorithm>
 #include <sstream>
-#include <string>
 
 #include "common/file/bytes.h"
 #include "common/slam/checkpoint_values.h"

@@ -4,11 +4,7 @@
 #include <sys/resource.h>
 #include <unistd.h>
 
-#include <chrono>
-#include <filesystem>
 #include <sstream>
-#include <string>
-#include <thread>
 
 #include "tests/system/program_fixture.h"
 

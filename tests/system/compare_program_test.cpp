@@ -2,10 +2,6 @@
 // an interruption, and what is wrong on the command line.
 #include <gtest/gtest.h>
 
-#include <filesystem>
-#include <map>
-#include <string>
-
 #include "tests/system/program_fixture.h"
 
 namespace parloc::test {

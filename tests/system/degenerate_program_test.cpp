@@ -4,7 +4,6 @@
 
 #include <cctype>
 #include <cmath>
-#include <string>
 
 #include "common/io/log.h"
 #include "common/map/map_reader.h"

@@ -3,9 +3,6 @@
 #include <gtest/gtest.h>
 
 #include <map>
-#include <memory>
-#include <string>
-#include <vector>
 
 #include "common/config/config.h"
 #include "common/filter/filter_backend.h"

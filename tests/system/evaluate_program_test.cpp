@@ -2,9 +2,6 @@
 // an interruption, and what is wrong on the command line.
 #include <gtest/gtest.h>
 
-#include <algorithm>
-#include <string>
-
 #include "tests/system/program_fixture.h"
 
 namespace parloc::test {

@@ -1,9 +1,7 @@
 // `parloc locate` as a person or a script meets it: its answers, exit codes and files.
 #include <gtest/gtest.h>
 
-#include <algorithm>
 #include <cmath>
-#include <string>
 
 #include "common/map/map_reader.h"
 #include "common/simulator/simulator.h"

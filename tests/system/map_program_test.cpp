@@ -2,9 +2,6 @@
 // and what is wrong on the command line.
 #include <gtest/gtest.h>
 
-#include <filesystem>
-#include <string>
-
 #include "common/map/map_reader.h"
 #include "tests/system/program_fixture.h"
 #include "tests/unit/small_drive.h"

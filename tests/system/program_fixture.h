@@ -6,7 +6,6 @@
 #include <algorithm>
 #include <memory>
 #include <nlohmann/json.hpp>
-#include <string>
 
 #include "tests/system/program_runner.h"
 #include "tests/unit/expect.h"

@@ -7,12 +7,8 @@
 #include <unistd.h>
 
 #include <chrono>
-#include <filesystem>
-#include <fstream>
 #include <functional>
 #include <map>
-#include <string>
-#include <system_error>
 #include <thread>
 #include <utility>
 #include <vector>

@@ -3,13 +3,7 @@
 #include <gtest/gtest.h>
 #include <signal.h>
 
-#include <cmath>
-#include <filesystem>
-#include <functional>
 #include <sstream>
-#include <string>
-#include <utility>
-#include <vector>
 
 #include "common/io/trajectory.h"
 #include "common/map/map_reader.h"

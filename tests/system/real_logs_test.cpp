@@ -6,7 +6,6 @@
 #include <cstdio>
 #include <limits>
 #include <numbers>
-#include <string>
 
 #include "common/eval/metrics.h"
 #include "common/map/map_reader.h"

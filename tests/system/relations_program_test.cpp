@@ -2,9 +2,6 @@
 // published figures beside, and what is wrong with command line and files.
 #include <gtest/gtest.h>
 
-#include <cmath>
-#include <string>
-
 #include "tests/system/program_fixture.h"
 #include "tests/unit/real_data.h"
 #include "tests/unit/small_drive.h"

@@ -1,8 +1,6 @@
 // `parloc run` without a start pose, and what it says when it does not know where the robot is.
 #include <gtest/gtest.h>
 
-#include <string>
-
 #include "common/map/map_reader.h"
 #include "common/simulator/simulator.h"
 #include "tests/system/program_fixture.h"

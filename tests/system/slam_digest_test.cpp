@@ -2,9 +2,7 @@
 // closed, have pinned digests at any thread count and with any instruction set (docs/determinism.md).
 #include <gtest/gtest.h>
 
-#include <cstddef>
 #include <ostream>
-#include <string>
 
 #include "common/slam/grid_slam.h"
 #include "tests/system/golden_corridor.h"

@@ -1,10 +1,6 @@
 // `parloc slam` on logs without odometry, with gaps, and with odd time stamps.
 #include <gtest/gtest.h>
 
-#include <fstream>
-#include <functional>
-#include <string>
-
 #include "common/map/map_reader.h"
 #include "tests/system/program_fixture.h"
 #include "tests/unit/real_data.h"

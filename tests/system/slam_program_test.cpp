@@ -1,11 +1,9 @@
 // `parloc slam` as a user calls it: its results, its live picture, and what it says when it cannot.
 #include <gtest/gtest.h>
 
-#include <algorithm>
 #include <cmath>
 #include <numeric>
 #include <set>
-#include <string>
 
 #include "common/io/trajectory.h"
 #include "common/map/map_reader.h"

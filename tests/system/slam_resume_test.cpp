@@ -2,9 +2,6 @@
 // of a run that was not.
 #include <gtest/gtest.h>
 
-#include <filesystem>
-#include <string>
-
 #include "common/io/trajectory.h"
 #include "tests/system/program_fixture.h"
 #include "tests/unit/small_drive.h"

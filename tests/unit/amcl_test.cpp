@@ -2,9 +2,6 @@
 // is found again, a cloud that is widened.
 #include <gtest/gtest.h>
 
-#include <string>
-#include <vector>
-
 #include "common/filter/particle_filter.h"
 #include "common/math/philox.h"
 #include "common/math/portable64.h"

@@ -6,8 +6,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
-#include <vector>
 
 #include "tests/unit/expect.h"
 #include "tests/unit/taken_beams.h"

@@ -1,12 +1,8 @@
 // `parloc bench`: numbers, tables, the pages and JSON that it writes.
 #include <gtest/gtest.h>
 
-#include <cmath>
-#include <cstdint>
 #include <nlohmann/json.hpp>
 #include <sstream>
-#include <string>
-#include <vector>
 
 #include "tests/unit/expect.h"
 #include "tools/bench/json.h"

@@ -2,13 +2,9 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
-#include <cmath>
-#include <cstdint>
 #include <nlohmann/json.hpp>
 #include <numeric>
 #include <sstream>
-#include <string>
-#include <vector>
 
 #include "common/simulator/simulator.h"
 #include "tests/unit/expect.h"

@@ -3,10 +3,8 @@
 
 #include <algorithm>
 #include <atomic>
-#include <cmath>
 #include <thread>
 #include <utility>
-#include <vector>
 
 #include "common/config/config.h"
 #include "common/config/pose_filters.h"

@@ -4,8 +4,6 @@
 #include <gtest/gtest.h>
 
 #include <limits>
-#include <string>
-#include <vector>
 
 #include "common/config/config_settings.h"
 #include "common/file/nearest_name.h"

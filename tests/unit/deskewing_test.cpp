@@ -2,8 +2,6 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
-#include <utility>
-#include <vector>
 
 #include "common/model/beams.h"
 #include "tests/unit/taken_beams.h"

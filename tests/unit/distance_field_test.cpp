@@ -1,11 +1,7 @@
 // The exact distance field (SPEC 7.1), against brute force.
 #include <gtest/gtest.h>
 
-#include <algorithm>
-#include <cstdint>
 #include <random>
-#include <utility>
-#include <vector>
 
 #include "common/error.h"
 #include "common/map/distance_field.h"

@@ -4,9 +4,6 @@
 
 #include <gtest/gtest.h>
 
-#include <array>
-#include <cmath>
-
 #include "common/flow/cloud_move.h"
 #include "common/flow/mean_update.h"
 #include "common/flow/particle_flow.h"

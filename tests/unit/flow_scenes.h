@@ -2,10 +2,7 @@
 // hold the float32 arithmetic against.
 #pragma once
 
-#include <algorithm>
-#include <cmath>
 #include <memory>
-#include <vector>
 
 #include "common/filter/bind.h"
 #include "common/flow/field_measurement.h"

@@ -4,10 +4,7 @@
 
 #include <gtest/gtest.h>
 
-#include <cmath>
-#include <functional>
 #include <limits>
-#include <string>
 
 #include "common/config/config.h"
 #include "common/eval/metrics.h"

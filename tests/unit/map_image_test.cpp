@@ -3,10 +3,7 @@
 #include <png.h>
 #include <zlib.h>
 
-#include <cstdint>
-#include <string>
 #include <utility>
-#include <vector>
 
 #include "common/map/map_reader.h"
 #include "tests/unit/expect.h"

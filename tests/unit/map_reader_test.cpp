@@ -7,12 +7,7 @@
 
 #include <algorithm>
 #include <cstdlib>
-#include <filesystem>
-#include <fstream>
-#include <iterator>
 #include <limits>
-#include <string>
-#include <vector>
 
 #include "common/map/map_yaml.h"
 #include "tests/unit/expect.h"

@@ -3,11 +3,6 @@
 
 #include <Random123/philox.h>
 
-#include <algorithm>
-#include <cmath>
-#include <string>
-#include <vector>
-
 #include "common/filter/resampling.h"
 #include "common/math/philox.h"
 #include "common/math/portable64.h"

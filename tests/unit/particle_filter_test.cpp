@@ -4,10 +4,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
-#include <cmath>
 #include <limits>
-#include <string>
-#include <vector>
 
 #include "tests/unit/expect.h"
 #include "tests/unit/small_drive.h"

@@ -3,8 +3,6 @@
 
 #include <gtest/gtest.h>
 
-#include <cmath>
-
 #include "common/filter/pose_rays.h"
 #include "common/io/log.h"
 #include "tests/unit/localize_scenes.h"

@@ -3,11 +3,7 @@
 
 #include <gtest/gtest.h>
 
-#include <algorithm>
-#include <cmath>
 #include <random>
-#include <utility>
-#include <vector>
 
 #include "common/map/segment_map.h"
 

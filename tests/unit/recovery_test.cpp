@@ -4,8 +4,6 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
-#include <cmath>
-#include <vector>
 
 #include "common/filter/bind.h"
 #include "common/filter/free_space.h"

@@ -1,10 +1,6 @@
 // The pictures of a run: sizes, and what is drawn in which colour.
 #include <gtest/gtest.h>
 
-#include <algorithm>
-#include <cstddef>
-#include <string>
-
 #include "tests/unit/decoded_png.h"
 #include "tests/unit/sample_report.h"
 #include "tools/report/report.h"

@@ -2,10 +2,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
-#include <cmath>
 #include <limits>
-#include <string>
-#include <vector>
 
 #include "common/error.h"
 #include "tests/unit/decoded_png.h"

@@ -3,13 +3,9 @@
 
 #include <gtest/gtest.h>
 
-#include <cmath>
 #include <cstdio>
-#include <filesystem>
 #include <limits>
 #include <regex>
-#include <string>
-#include <vector>
 
 #include "tests/unit/decoded_png.h"
 #include "tests/unit/expect.h"

@@ -2,12 +2,7 @@
 // digests.
 #pragma once
 
-#include <cmath>
-#include <functional>
-#include <memory>
 #include <random>
-#include <string>
-#include <vector>
 
 #include "common/io/log.h"
 #include "common/io/trajectory.h"

@@ -7,8 +7,6 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdlib>
-#include <filesystem>
-#include <string>
 
 #include "tests/unit/temp_file.h"
 #include "tools/report/report.h"

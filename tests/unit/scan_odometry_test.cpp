@@ -1,8 +1,6 @@
 // Odometry from scans alone, on a simulated drive whose truth is known, and on a recorded log.
 #include <gtest/gtest.h>
 
-#include <cmath>
-
 #include "common/eval/metrics.h"
 #include "common/filter/scan_intake.h"
 #include "common/slam/grid_slam_config.h"

@@ -3,10 +3,7 @@
 
 #include <gtest/gtest.h>
 
-#include <algorithm>
 #include <cstdio>
-#include <string>
-#include <vector>
 
 #include "common/map/map_reader.h"
 #include "common/map/rasterise.h"

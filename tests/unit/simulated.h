@@ -4,10 +4,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
-#include <cstdint>
 #include <numbers>
-#include <string>
-#include <vector>
 
 #include "common/map/map_reader.h"
 #include "common/simulator/simulator.h"

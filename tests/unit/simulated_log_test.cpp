@@ -2,9 +2,6 @@
 // simulated.
 #include <gtest/gtest.h>
 
-#include <cmath>
-#include <string>
-
 #include "common/simulator/drive.h"
 #include "common/simulator/simulator.h"
 #include "tests/unit/simulated.h"

@@ -4,9 +4,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
-#include <cmath>
 #include <utility>
-#include <vector>
 
 #include "common/simulator/drive.h"
 #include "tests/unit/simulated.h"

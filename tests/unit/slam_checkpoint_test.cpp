@@ -2,11 +2,7 @@
 // no checkpoint is told in one line.
 #include <gtest/gtest.h>
 
-#include <algorithm>
 #include <cstring>
-#include <string>
-#include <utility>
-#include <vector>
 
 #include "common/file/bytes.h"
 #include "common/slam/checkpoint_frame.h"

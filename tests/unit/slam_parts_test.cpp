@@ -1,10 +1,8 @@
 // The parts of grid SLAM against known answers and slow references.
 #include <gtest/gtest.h>
 
-#include <cmath>
 #include <set>
 #include <utility>
-#include <vector>
 
 #include "common/slam/gaussian_proposal.h"
 #include "common/slam/matching/draw.h"

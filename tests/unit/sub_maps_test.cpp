@@ -3,7 +3,6 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
-#include <cmath>
 
 #include "common/eval/metrics.h"
 #include "common/math/portable64.h"

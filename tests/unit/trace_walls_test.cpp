@@ -8,9 +8,7 @@
 #include <cmath>
 #include <random>
 #include <set>
-#include <string>
 #include <utility>
-#include <vector>
 
 #include "common/map/map_reader.h"
 #include "common/map/segment_map.h"

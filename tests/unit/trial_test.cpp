@@ -1,7 +1,6 @@
 // Judging a trial and putting many together, on samples made by hand; a trial run on a small drive.
 #include <gtest/gtest.h>
 
-#include <cmath>
 #include <limits>
 
 #include "common/error.h"

@@ -2,8 +2,6 @@
 #include "common/simulator/wheel_odometry.h"
 
 #include <array>
-#include <cmath>
-#include <vector>
 
 #include "common/math/portable64.h"
 #include "tests/unit/simulated.h"

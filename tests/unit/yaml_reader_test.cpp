@@ -3,8 +3,6 @@
 
 #include <gtest/gtest.h>
 
-#include <string>
-
 #include "common/file/yaml_section.h"
 #include "tests/unit/expect.h"
 
