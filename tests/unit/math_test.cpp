@@ -3,17 +3,13 @@
 
 #include <Random123/philox.h>
 
-#include <algorithm>
-#include <cmath>
-#include <string>
-#include <vector>
-
 #include "common/filter/resampling.h"
 #include "common/math/philox.h"
 #include "common/math/portable64.h"
 #include "common/math/quantile.h"
 #include "common/math/sha256.h"
 #include "common/model/motion.h"
+#include "tests/unit/expect.h"
 
 namespace parloc {
 namespace {
@@ -91,9 +87,7 @@ TEST(Pose, FromOneToAnother) {
   EXPECT_NEAR(turn_rad(a, b), turn, 1e-15);
   EXPECT_EQ(turn_rad(b, a), turn_rad(a, b));
   const Pose at_a = blend(a, b, 0.0), half = blend(a, b, 0.5), at_b = blend(a, b, 1.0);
-  EXPECT_EQ(at_a.x_m, a.x_m);
-  EXPECT_EQ(at_a.y_m, a.y_m);
-  EXPECT_EQ(at_a.theta_rad, a.theta_rad);
+  expect_equal(at_a, a);
   EXPECT_EQ(half.x_m, 2.5);
   EXPECT_EQ(half.y_m, 4.0);
   EXPECT_NEAR(turn_rad(a, half), 0.5 * turn, 1e-15);

@@ -202,9 +202,8 @@ TEST(RayCast, ManyAtOnceGiveTheRangesOfOneByOne) {
   scan.range_max_m = 9.0;
   scan.ranges_m.assign(73, 1.0f);
   const auto ranges = [&](RayCaster caster) {
-    FilterBackendConfig config;
-    config.particles = static_cast<std::int64_t>(poses.x.size());
-    config.sensor = default_sensor(SensorModel::gaussian);
+    FilterBackendConfig config{.particles = static_cast<std::int64_t>(poses.x.size()),
+                               .sensor = default_sensor(SensorModel::gaussian)};
     config.sensor.caster = caster;
     BeamTable beams;
     BeamCounts counts;
