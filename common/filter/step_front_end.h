@@ -1,13 +1,13 @@
 // What all filters do before a step: is the odometry a number, has the robot moved enough, how did it move,
-// which beams count.
+// which beams count, and what became of the others, LiDAR by LiDAR.
 #pragma once
 
 #include <cstddef>
 #include <optional>
 #include <vector>
 
-#include "common/filter/scan_intake.h"
 #include "common/filter/step_config.h"
+#include "common/model/beams.h"
 #include "common/model/continuous_odometry.h"
 #include "common/model/motion.h"
 #include "common/model/odometry_track.h"
@@ -42,30 +42,38 @@ class StepFrontEnd {
   /// The next step starts from there.
   void set_odometry(const std::optional<Pose>& odometry) { odometry_ = odometry; }
 
-  std::size_t lidar_of(const Scan& scan) { return intake_.lidar_of(scan); }
-  /// Fills `beams`; whether there are scan.min_beams of them. Throws Error{input}.
+  /// Place of the scan's LiDAR among those seen so far; new ones are added.
+  std::size_t lidar_of(const Scan& scan);
+  /// Fills `beams` with those that count, seen from the base at the scan's stamp; whether there are
+  /// scan.min_beams of them. Allocates only for the largest scan so far. Throws Error{input}.
   bool take(const Scan& scan, const SensorConfig& sensor, double resolution_m, BeamTable& beams);
   /// The same without counting anything.
   BeamTable beams_of(const Scan& scan, const SensorConfig& sensor, double resolution_m) const;
   std::vector<EndPoint> end_points_of(const Scan& scan) const;
 
-  ScanIntake& intake() { return intake_; }
-  const ScanIntake& intake() const { return intake_; }
+  /// By LiDAR, in the order in which they came.
+  const std::vector<LidarUse>& lidars_used() const { return used_; }
+  /// Goes on counting from there.
+  void set_lidars_used(std::vector<LidarUse> used);
+  BeamCounts beam_counts() const;  ///< Summed over all LiDARs.
   OdometryTrack& track() { return track_; }
   const OdometryTrack& track() const { return track_; }
   ContinuousOdometry& continuous() { return continuous_; }
   const ContinuousOdometry& continuous() const { return continuous_; }
 
  private:
+  const OdometryTrack* track_for(const Scan& scan, const LidarSetup& setup) const;
+
   const StepConfig& config_;
   OdometryTrack track_;
-  ScanIntake intake_;
+  std::vector<LidarUse> used_;
+  std::vector<BeamDirections> directions_;  ///< Of each LiDAR.
   ContinuousOdometry continuous_;
   std::optional<OdometryReading> prepared_;
   bool is_prepared_ = false;
   std::optional<Pose> odometry_;
-  double elapsed_s_ = 0.0;  // since odometry_
-  bool jumped_ = false;     // likewise
+  double elapsed_s_ = 0.0;  ///< Since odometry_.
+  bool jumped_ = false;     ///< Likewise.
 };
 
 }  // namespace parloc

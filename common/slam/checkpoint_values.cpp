@@ -162,31 +162,19 @@ std::vector<LidarUse> get_lidars(ByteReader& r) {
   });
 }
 
-namespace {
-
-/// Every array of a scan's beams.
-template <class Table, class Visit>
-void visit_arrays(Table& t, const Visit& visit) {
-  for (auto* values : {&t.origin_x, &t.origin_y, &t.direction_x, &t.direction_y, &t.range_m, &t.short_density,
-                       &t.end_x, &t.end_y})
-    visit(*values);
-}
-
-}  // namespace
-
 void put_beams(ByteWriter& w, const BeamTable& beams) {
   w.put_count(beams.count), w.put_count(beams.hits), w.put(beams.range_max_m);
-  visit_arrays(beams, [&](const std::vector<float>& values) { w.put(values); });
+  for (const auto array : kBeamArrays) w.put(beams.*array);
 }
 BeamTable get_beams(ByteReader& r) {
   BeamTable beams;
   beams.count = r.get<std::uint64_t>(), beams.hits = r.get<std::uint64_t>();
   beams.range_max_m = r.get<float>();
   r.expect(beams.hits <= beams.count && beams.count <= kMaxBeams, "a scan");
-  visit_arrays(beams, [&](std::vector<float>& values) {
-    values = get_floats(r, beams.count);
-    for (const float v : values) r.expect(std::fabs(v) <= 1e6f, "beams of a length that can be");
-  });
+  for (const auto array : kBeamArrays) {
+    beams.*array = get_floats(r, beams.count);
+    for (const float v : beams.*array) r.expect(std::fabs(v) <= 1e6f, "beams of a length that can be");
+  }
   measure_origins(beams);
   return beams;
 }

@@ -46,4 +46,10 @@ void put_backend(ByteWriter& w, const SlamBackend& backend);
 /// Into a backend of that configuration.
 const SlamStep& get_backend(ByteReader& r, SlamBackend& backend, const SlamConfig& config);
 
+/// What stands around the content of a checkpoint; SlamCheckpoint, where these are defined, checks it. Before
+/// it magic and version; then come settings as YAML, the caller's own bytes, and the state; behind it a
+/// checksum.
+void put_checkpoint_begin(ByteWriter& w);
+void put_checkpoint_end(ByteWriter& w);
+
 }  // namespace parloc

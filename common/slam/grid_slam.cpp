@@ -9,7 +9,6 @@
 #include "common/file/output_file.h"
 #include "common/filter/step_front_end.h"
 #include "common/math/sha256.h"
-#include "common/slam/checkpoint_frame.h"
 #include "common/slam/checkpoint_values.h"
 #include "common/slam/loops/close_loops.h"
 #include "common/slam/path_tree.h"
@@ -163,7 +162,7 @@ void GridSlam::save(const std::string& path, const std::string& own) const {
 void GridSlam::State::save(ByteWriter& w) const {
   put_backend(w, *backend);
   put_trajectory(w, front_end.track().readings());
-  put_lidars(w, front_end.intake().used());
+  put_lidars(w, front_end.lidars_used());
   w.put_bool(front_end.odometry().has_value());
   if (front_end.odometry()) put_pose(w, *front_end.odometry());
   put_odometry_memory(w, front_end.continuous().memory());
@@ -179,7 +178,7 @@ void GridSlam::State::save(ByteWriter& w) const {
 void GridSlam::State::load(ByteReader& r) {
   last = &get_backend(r, *backend, config.slam);
   front_end.track().set_readings(get_readings(r));
-  front_end.intake().set_used(get_lidars(r));
+  front_end.set_lidars_used(get_lidars(r));
   if (r.get_bool()) front_end.set_odometry(get_pose(r));
   front_end.continuous().restore(get_odometry_memory(r));
   moments = r.get_each(41, get_moment);
@@ -364,7 +363,7 @@ std::optional<ScanOdometryCounts> GridSlam::scan_odometry() const {
   return s.scan_odometry ? std::optional(s.scan_odometry->state().counts) : std::nullopt;
 }
 const std::vector<LidarUse>& GridSlam::lidars_used() const {
-  return state_->front_end.intake().used();
+  return state_->front_end.lidars_used();
 }
 const GridSlamConfig& GridSlam::config() const {
   return state_->config;

@@ -15,7 +15,7 @@
 #include "common/error.h"
 #include "common/file/bytes.h"
 #include "common/settings/read_settings.h"
-#include "common/slam/checkpoint_frame.h"
+#include "common/slam/checkpoint_values.h"
 #include "common/slam/slam_backend.h"
 #include "common/slam/slam_settings.h"
 

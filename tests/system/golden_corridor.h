@@ -4,9 +4,6 @@
 
 #include <gtest/gtest.h>
 
-#include <memory>
-#include <string>
-
 #include "common/config/config.h"
 #include "common/eval/metrics.h"
 #include "common/io/log.h"

@@ -2,10 +2,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
-#include <cstdint>
 #include <numeric>
-#include <optional>
-#include <vector>
 
 #include "tests/unit/timing_rules.h"
 #include "tools/bench/steps/measure.h"

@@ -1,9 +1,6 @@
 // What is learned from a simulated log is what it was simulated with.
 #include <gtest/gtest.h>
 
-#include <cmath>
-#include <filesystem>
-
 #include "common/config/config.h"
 #include "common/simulator/simulator.h"
 #include "tests/unit/temp_file.h"

@@ -5,7 +5,8 @@
 
 #include <cmath>
 #include <limits>
-#include <vector>
+
+#include "tests/unit/expect.h"
 
 namespace parloc {
 namespace {
@@ -28,11 +29,6 @@ void expect_near(const Pose& a, const Pose& b, double tolerance) {
   EXPECT_NEAR(a.x_m, b.x_m, tolerance);
   EXPECT_NEAR(a.y_m, b.y_m, tolerance);
   EXPECT_NEAR(std::remainder(a.theta_rad - b.theta_rad, 2 * M_PI), 0.0, tolerance);
-}
-void expect_equal(const Pose& a, const Pose& b) {
-  EXPECT_EQ(a.x_m, b.x_m);
-  EXPECT_EQ(a.y_m, b.y_m);
-  EXPECT_EQ(a.theta_rad, b.theta_rad);
 }
 
 TEST(AlongArc, IsTheMotionOfAConstantTwist) {
