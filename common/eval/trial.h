@@ -54,6 +54,7 @@ struct TrialSample {
   double position_error_m = 0.0, heading_error_rad = 0.0;
   double probability = 0.0;  ///< Of being right, as it says.
   double evidence = 0.0;     ///< What the scans say for it [nat per beam] (HealthMonitor).
+  double log_odds = 0.0;     ///< Likewise.
   double share = 0.0;        ///< Of the weight, around the estimate.
   HealthState state = HealthState::lost;
   bool searched = false;  ///< The whole map was searched in this step.

@@ -5,10 +5,10 @@
 #include <cstdint>
 #include <vector>
 
-#include "common/filter/pose_rays.h"
 #include "common/map/grid_map.h"
 #include "common/math/pose.h"
 #include "common/model/beams.h"
+#include "common/search/pose_rays.h"
 
 namespace parloc {
 
