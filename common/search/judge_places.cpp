@@ -36,10 +36,10 @@ std::int64_t JudgePlaces::advance(std::int64_t work) {
 
 std::int64_t JudgePlaces::step(std::int64_t work) {
   if (!learnt_) {
-    // Some milliseconds, at the first search with a LiDAR that reaches so far. Not counted: where a slice
-    // ends must not depend on what was searched for before.
-    (void)evidence_.learn(beams_->range_max_m, ScanEvidence::kPlaces);
-    learnt_ = true;
+    const std::int64_t places =
+        std::clamp<std::int64_t>(work / search_work::kChancePlace, 1, ScanEvidence::kPlaces);
+    learnt_ = evidence_.learn(beams_->range_max_m, static_cast<std::size_t>(places));
+    return learnt_ ? 0 : places * search_work::kChancePlace;
   }
   return judged_.size() < places_->size() ? judge_next() : rank_next();
 }
