@@ -42,7 +42,7 @@ class JudgePlaces {
   const BeamTable* beams_ = nullptr;
   const std::vector<LatticePose>* places_ = nullptr;
   std::int32_t headings_ = 0;
-  bool learnt_ = false;
+  std::size_t to_learn_ = 0;          // random places
   std::vector<Hypothesis> judged_;    // by place
   std::vector<std::uint32_t> order_;  // of the judged, the most likely first
   std::size_t ranked_ = 0;            // of those

@@ -25,7 +25,12 @@ std::int64_t LatticeSearch::slots_work() const {
 }
 
 std::int64_t LatticeSearch::sweep_work() const {
-  return static_cast<std::int64_t>(strips_of_row()) * task_.beams;
+  return static_cast<std::int64_t>(strips_of_row()) * search_work::kStripBeam *
+         (task_.beams + search_work::kOtherBeams);
+}
+
+std::int64_t LatticeSearch::block_work() const {
+  return search_work::kBlockBeam * (task_.beams + search_work::kOtherBeams);
 }
 
 std::int64_t LatticeSearch::advance(std::int64_t work) {

@@ -74,7 +74,10 @@ TEST(SearchSlices, GiveWhatASearchInOneGoGives) {
   const BeamTable beams = beams_of(map, seen_from(map, kSomewhere, 90, 2 * kPi, 3.0));
   GlobalSearch whole(map, small_config(), cpu_threads(1)), one(map, small_config(), cpu_threads(1)),
       two(map, small_config(), cpu_threads(2));
-  for (GlobalSearch* search : {&whole, &one, &two}) (void)search->search(beams);  // learns the LiDAR's reach
+  // What a LiDAR that reaches so far says anywhere is learnt by the first search.
+  (void)whole.search(beams);
+  EXPECT_EQ(in_slices(one, beams, {}, 12345).work, whole.work_done());
+  EXPECT_EQ(in_slices(two, beams, {}, kWhole).work, whole.work_done());
   for (const SearchPrior& prior : priors()) {
     const SearchResult expected = whole.search(beams, prior);
     ASSERT_FALSE(expected.hypotheses.empty());
@@ -135,7 +138,8 @@ TEST(SearchSlices, KeepToTheirBudget) {
   const OneSearch s = one_search(two_rooms(), seen_from(two_rooms(), kSomewhere, 90, 1.2, 3.0), false);
   const auto backend = make_cpu_search(s.map, 1);
   const std::int64_t row_of_slots = s.task.block_end_i * kTurnBins / search_work::kSlots;
-  const std::int64_t piece = std::max(search_work::kBlockBeam * s.task.beams, row_of_slots);
+  const std::int64_t piece =
+      std::max(search_work::kBlockBeam * (s.task.beams + search_work::kOtherBeams), row_of_slots);
   for (const std::int64_t work : {1, 500, 20000})
     for (const std::int64_t spent : champions_in_slices(*backend, s.task, s.scan, work).slices) {
       EXPECT_GT(spent, 0);
@@ -296,10 +300,13 @@ TEST(ScanEvidenceSlices, WhatIsLearntInPiecesIsTheSame) {
   const BeamTable other = beams_of(map, seen_from(map, kSomewhere, 90, 2 * kPi, 5.0));
   const Pose in_grid = relative(kSomewhere, map.T_map_grid);
   ScanEvidence once(map), pieces(map);
-  EXPECT_FALSE(pieces.learn(other.range_max_m, 100));  // given up for another reach
-  int calls = 1;
-  while (!pieces.learn(beams.range_max_m, 300)) ++calls;
-  EXPECT_EQ(calls, 7);
+  EXPECT_EQ(pieces.learn(other.range_max_m, 100), 1948u);  // given up for another reach
+  EXPECT_EQ(pieces.learn(beams.range_max_m, 0), 2048u);
+  for (std::size_t left = 2048; left > 0;) {
+    const std::size_t before = left;
+    left = pieces.learn(beams.range_max_m, 300);
+    EXPECT_EQ(before - left, std::min<std::size_t>(300, before));
+  }
   EXPECT_EQ(pieces.per_beam(beams, in_grid), once.per_beam(beams, in_grid));
   EXPECT_EQ(pieces.per_beam(other, in_grid), once.per_beam(other, in_grid));
 }
