@@ -20,15 +20,16 @@ struct SearchItems {
 
 namespace search_work {
 
-constexpr std::int64_t kTurnedBeam = 8;      ///< A beam's offset at a heading.
-constexpr std::int64_t kStripBeam = 2;       ///< A beam of 64 blocks of a row.
+constexpr std::int64_t kTurnedBeam = 3;      ///< A beam's offset at a heading.
+constexpr std::int64_t kStripBeam = 2;       ///< A beam of 64 blocks of a row,
+constexpr std::int64_t kNarrowBeam = 1;      ///< or of the 8 at most of a task that is no wider.
 constexpr std::int64_t kBlockBeam = 3;       ///< A beam of the poses of a block: eight rows of the map.
 constexpr std::int64_t kOtherBeams = 8;      ///< What else there is to do for 64 of either, in beams.
 constexpr std::int64_t kSlots = 4;           ///< Champions cleared or looked through in a unit.
 constexpr std::int64_t kSortedKey = 20;      ///< A champion put in order,
 constexpr std::int64_t kTakenKey = 100;      ///< and taken out again, the best first.
 constexpr std::int64_t kComparedPose = 2;    ///< Whether two poses are apart.
-constexpr std::int64_t kFieldBeam = 5;       ///< A beam looked up between four cells.
+constexpr std::int64_t kFieldBeam = 3;       ///< A beam looked up between four cells.
 constexpr std::int64_t kRay = 60;            ///< A beam cast to the map's walls, and judged.
 constexpr std::int64_t kChancePlace = 9000;  ///< A random ray compared with every range.
 
