@@ -104,7 +104,7 @@ struct Localizer::State {
 
 void Localizer::State::begin(bool is_lost, bool is_settled, const SearchPrior& known) {
   judge.forget();
-  if (search) search->cancel();
+  if (search) search->forget();  // slices end where they would if this run were the first
   d = {};
   d.monitor.reset(is_lost ? kFoundLogOdds : kGivenLogOdds);
   d.prior = known;
