@@ -38,8 +38,9 @@ constexpr double kSlipGrowth_m = 0.05, kSlipGrowth_rad = 0.02;  ///< Per metre s
 constexpr double kReachSigmas = 3.5;                            ///< How far is looked.
 constexpr double kSlipShare = 0.25;  ///< Of the particles, for what is found there.
 
-/// Work of a slice of the search (search_work.h): a few milliseconds.
-constexpr std::int64_t kSlice = 2'000'000;
+/// Work of a slice of the search (search_work.h), 2 to 3 ns each on a core: the longer the time between
+/// scans, the more, but always some milliseconds.
+constexpr double kWorkPer_s = 2e7, kLeastSlice = 2e6, kMostSlice = 5e6;
 constexpr std::int64_t kAllWork = std::numeric_limits<std::int64_t>::max();
 constexpr double kSearchEvery_s = 2.0;  ///< Or sooner, if it has moved.
 bool same_place(const Pose& a, const Pose& b) {
@@ -52,6 +53,10 @@ struct Now {
   double elapsed_s;
   const BeamTable& beams;
 };
+
+std::int64_t slice_of(const Now& now) {
+  return static_cast<std::int64_t>(std::clamp(kWorkPer_s * now.elapsed_s, kLeastSlice, kMostSlice));
+}
 
 }  // namespace
 
@@ -216,7 +221,7 @@ void Localizer::State::look_for_others(const std::vector<Hypothesis>& found, con
 /// A slice of the search that is under way, if there is one, and what follows from what it has found.
 void Localizer::State::go_on_searching(const Now& now, LocalizerEstimate& out) {
   if (!search || !search->under_way()) return;
-  if (!search->advance(d.placed ? kSlice : kAllWork)) return;
+  if (!search->advance(d.placed ? slice_of(now) : kAllWork)) return;
   std::vector<Hypothesis> found = found_now(now, out);
   if (!d.placed) {
     if (!found.empty()) put_at(std::move(found), now);

@@ -28,6 +28,7 @@ set(PARLOC_PUBLIC_HEADERS
   map/segment_map.h
   math/pose.h
   model/beam_counts.h
+  model/continuous_odometry.h
   model/motion_config.h
   model/scan.h
   model/scan_config.h
