@@ -293,7 +293,10 @@ LocalizerConfig small_config() {
 
 TrialLog small_log(const GridMap& room) {
   const test::SmallDrive drive = test::small_drive(room, 40);
-  return {drive.scans, drive.truth, 0.0};
+  TrialLog log;
+  log.records = drive.scans;
+  log.truth = drive.truth;
+  return log;
 }
 
 TEST(RunTrial, LocalizesInASmallRoomWhateverItDidBefore) {
