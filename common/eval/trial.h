@@ -41,7 +41,7 @@ struct TrialLog {
   Trajectory truth;                    ///< At each scan.
   double kidnapped_s = 0.0;            ///< Stamp of the first scan at the new place; with `kidnap` only.
   std::size_t hits = 0, unmapped = 0;  ///< Simulated: beams that hit, and those of them that hit clutter.
-  std::optional<PoseGuess> start;      ///< What is said where a start is given; else about the true pose.
+  std::optional<PoseGuess> start{};    ///< What is said where a start is given; else about the true pose.
   bool elsewhere = false;              ///< The place is not on the localizer's map: no pose there is right.
 };
 

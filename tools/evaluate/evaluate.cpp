@@ -21,6 +21,7 @@
 #include "common/simulator/scenario.h"
 #include "tools/evaluate/evaluate_relations.h"
 #include "tools/evaluate/evaluation.h"
+#include "tools/evaluate/families/evaluate_families.h"
 #include "tools/evaluate/run_trials.h"
 #include "tools/evaluate/trial_source.h"
 #include "tools/program/commands.h"
@@ -40,8 +41,9 @@ using evaluate::TrialSource;
 /// The command line; what was not given is empty.
 struct EvaluateOptions {
   std::string scenario, log, map, truth, task, trials, starts, seed, duration, limit, config, particles,
-      range, fov, jobs, samples, trajectory, relations, dataset, out;
-  bool json = false, quiet = false;
+      range, fov, jobs, samples, trajectory, relations, dataset, out, maps, corrupt;
+  std::vector<std::string> family;
+  bool families = false, json = false, quiet = false;
 };
 
 void declare(CLI::App& app, EvaluateOptions& o) {
@@ -65,6 +67,11 @@ void declare(CLI::App& app, EvaluateOptions& o) {
   add_text_option(app, "--trajectory", o.trajectory, "T.tum", "Or no trials: judge this trajectory ...");
   add_text_option(app, "--relations", o.relations, "R.txt", "... by relations (--dataset NAME: of that log)");
   add_text_option(app, "--dataset", o.dataset, "NAME", "Published figures of that log beside")->group("");
+  app.add_flag("--families", o.families, "Or drives drawn from ranges, --trials N (20) of each family: ...");
+  add_text_option(app, "--family", o.family, "NAME", "... of this one only; may come again");
+  add_text_option(app, "--maps", o.maps, "DIR", "Of the maps that come with parloc (maps)")->group("");
+  add_text_option(app, "--corrupt", o.corrupt, "K=V,...",
+                  "... or of --log, its odometry made worse, a seed each");
   add_text_option(app, "--out", o.out, "DIR", "Write report.html and a JSON file there");
   app.add_flag("--json", o.json, "The JSON on standard output")->group("");
   app.add_flag("--quiet", o.quiet, "No progress and no tables; --json: the JSON instead");
@@ -203,8 +210,39 @@ void check_writable(const std::string& path) {
   if (!there) std::filesystem::remove(path);
 }
 
+int jobs_of(const EvaluateOptions& o) {
+  const auto cores = std::max<std::uint64_t>(1, std::thread::hardware_concurrency());
+  return static_cast<int>(whole_within("--jobs", o.jobs, 1, 256, std::min<std::uint64_t>(cores, 256)));
+}
+
+bool asks_for_families(const EvaluateOptions& o) {
+  return o.families || !o.family.empty() || !o.corrupt.empty() || !o.maps.empty();
+}
+
+/// Of a command line that asks for families.
+FamiliesOptions families_options(const EvaluateOptions& o) {
+  const std::pair<const char*, const std::string&> of_trials[] = {
+      {"--scenario", o.scenario}, {"--task", o.task},   {"--starts", o.starts},
+      {"--limit", o.limit},       {"--range", o.range}, {"--fov", o.fov}};
+  for (const auto& [name, value] : of_trials)
+    if (!value.empty())
+      throw Error(ErrorKind::usage, fmt::format("{} has no meaning for --families, which draw it", name));
+  FamiliesOptions f{o.family, o.maps, o.log, o.map, o.truth, o.corrupt, o.duration};
+  f.first_seed = whole_within("--seed", o.seed, 0, kLastSeed, 1);
+  f.trials = whole_within("--trials", o.trials, 1, kMostTrials, 20);
+  f.jobs = jobs_of(o);
+  f.config = config_of(o);
+  f.samples = o.samples;
+  f.out = o.out;
+  f.json = o.json;
+  f.quiet = o.quiet;
+  if (!f.samples.empty()) check_writable(f.samples);
+  return f;
+}
+
 int run(const EvaluateOptions& o, const std::string& typed) {
   if (asks_for_relations(o)) return evaluate_relations(relations_options(o), typed);
+  if (asks_for_families(o)) return evaluate_families(families_options(o), typed);
   // Everything that can be wrong is looked at before the long work.
   check_options(o);
   Evaluation e;
@@ -213,12 +251,10 @@ int run(const EvaluateOptions& o, const std::string& typed) {
   e.machine = machine_here();
   e.plan = plan_of(o, e.limit_s);
   e.first_seed = whole_within("--seed", o.seed, 0, kLastSeed, 1);
-  const auto cores = std::max<std::uint64_t>(1, std::thread::hardware_concurrency());
-  const std::uint64_t jobs = whole_within("--jobs", o.jobs, 1, 256, std::min<std::uint64_t>(cores, 256));
   e.config = config_of(o);
   const std::unique_ptr<TrialSource> source = source_of(o, e);
   e.source = source->what();
-  e.jobs = static_cast<int>(std::min<std::uint64_t>(jobs, e.wanted));
+  e.jobs = static_cast<int>(std::min<std::size_t>(static_cast<std::size_t>(jobs_of(o)), e.wanted));
   const GridMap map = load_map(e.map_path).map;
   std::unique_ptr<OutputFolder> out;
   if (!o.out.empty()) out = std::make_unique<OutputFolder>(o.out, std::vector<std::string>{kJson, kPage});
