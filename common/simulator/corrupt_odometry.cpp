@@ -79,24 +79,31 @@ class Hiding {
       left_m_ = c_.least_slip_m + (c_.most_slip_m - c_.least_slip_m) * unit(r.w[1]);
     }
     if (!hides_) return d;
-    const double turn_rad = std::fabs(d.theta_rad);
-    const double whole = std::max(turn_rad / left_rad_, length_m(d) / left_m_);
+    const double whole = std::max(std::fabs(d.theta_rad) / left_rad_, length_m(d) / left_m_);
     const double part = whole <= 1.0 ? 1.0 : 1.0 / whole;  // the first part of the step is hidden
-    if (whole > 0.0) {
-      events.push_back({record.stamp_s, CorruptionEvent::Kind::hidden_rotation, part * d.theta_rad});
-      events.push_back({record.stamp_s, CorruptionEvent::Kind::hidden_translation, part * length_m(d)});
-    }
-    left_rad_ -= part * turn_rad;
+    hidden_rad_ += part * d.theta_rad;
+    hidden_m_ += part * length_m(d);
+    left_rad_ -= part * std::fabs(d.theta_rad);
     left_m_ -= part * length_m(d);
-    if (whole >= 1.0 || left_rad_ <= 0.0 || left_m_ <= 0.0) hides_ = false;
+    if (whole >= 1.0 || left_rad_ <= 0.0 || left_m_ <= 0.0) end(record.stamp_s, events);
     return {(1.0 - part) * d.x_m, (1.0 - part) * d.y_m, (1.0 - part) * d.theta_rad};
+  }
+
+  /// Tells what was hidden so far.
+  void end(double stamp_s, std::vector<CorruptionEvent>& events) {
+    if (hides_ && (hidden_rad_ != 0.0 || hidden_m_ != 0.0)) {
+      events.push_back({stamp_s, CorruptionEvent::Kind::hidden_rotation, hidden_rad_});
+      events.push_back({stamp_s, CorruptionEvent::Kind::hidden_translation, hidden_m_});
+    }
+    hides_ = false;
+    hidden_rad_ = hidden_m_ = 0.0;
   }
 
  private:
   const OdometryCorruption& c_;
   std::uint64_t seed_;
   bool hides_ = false;
-  double left_rad_ = 0.0, left_m_ = 0.0;
+  double left_rad_ = 0.0, left_m_ = 0.0, hidden_rad_ = 0.0, hidden_m_ = 0.0;
 };
 
 /// The motion d with errors, as a motion in the robot's frame.
@@ -185,6 +192,7 @@ std::vector<CorruptionEvent> corrupt_odometry(std::vector<LogRecord>& records, c
     }
     record.odometry = out;
   }
+  hiding.end(records.back().stamp_s, events);
   if (c.offset_s != 0.0) shift_odometry(records, stretch_of, c.offset_s);
   if (c.keep_every > 1) keep_every_scan(records, c.keep_every);
   return events;

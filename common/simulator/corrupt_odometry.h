@@ -33,6 +33,7 @@ struct OdometryCorruption {
   int keep_every = 1;           ///< Of the scans, applied last; odometry between them stays.
 };
 
+/// Of a hiding two, once it is over: how much was turned and driven meanwhile.
 struct CorruptionEvent {
   enum class Kind { slip_rotation, slip_translation, hidden_rotation, hidden_translation, reset };
   double stamp_s = 0.0;

@@ -64,14 +64,14 @@ void declare(CLI::App& app, EvaluateOptions& o) {
   add_text_option(app, "--fov", o.fov, "DEG", "Of the first LiDAR; its beams stay")->group("");
   add_text_option(app, "--jobs", o.jobs, "K", "Trials at once (all cores)");
   add_text_option(app, "--samples", o.samples, "F.csv", "Write every scan of every trial there");
-  add_text_option(app, "--trajectory", o.trajectory, "T.tum", "Or no trials: judge this trajectory ...");
-  add_text_option(app, "--relations", o.relations, "R.txt", "... by relations (--dataset NAME: of that log)");
+  add_text_option(app, "--trajectory", o.trajectory, "T.tum",
+                  "Or judge this one by --relations R.txt (--dataset)");
+  add_text_option(app, "--relations", o.relations, "R.txt", "Between poses of the trajectory")->group("");
   add_text_option(app, "--dataset", o.dataset, "NAME", "Published figures of that log beside")->group("");
-  app.add_flag("--families", o.families, "Or drives drawn from ranges, --trials N (20) of each family: ...");
-  add_text_option(app, "--family", o.family, "NAME", "... of this one only; may come again");
+  app.add_flag("--families", o.families, "Or kinds of drives (--family NAME), or --log with --corrupt");
+  add_text_option(app, "--family", o.family, "NAME", "Of this one only; may come again")->group("");
   add_text_option(app, "--maps", o.maps, "DIR", "Of the maps that come with parloc (maps)")->group("");
-  add_text_option(app, "--corrupt", o.corrupt, "K=V,...",
-                  "... or of --log, its odometry made worse, a seed each");
+  add_text_option(app, "--corrupt", o.corrupt, "K=V,...", "Odometry of the log made worse")->group("");
   add_text_option(app, "--out", o.out, "DIR", "Write report.html and a JSON file there");
   app.add_flag("--json", o.json, "The JSON on standard output")->group("");
   app.add_flag("--quiet", o.quiet, "No progress and no tables; --json: the JSON instead");

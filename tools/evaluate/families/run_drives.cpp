@@ -63,7 +63,9 @@ bool drive_twice(PreparedDrive& drive, Localizers& localizers, const std::functi
   if (!bare) return false;
   r.closed = std::move(*closed);
   r.bare = std::move(*bare);
-  r.events = drive.trial.events.size();
+  r.events = static_cast<std::size_t>(std::count_if(
+      drive.trial.events.begin(), drive.trial.events.end(),
+      [](const CorruptionEvent& e) { return e.kind != CorruptionEvent::Kind::hidden_rotation; }));
   r.driven_s = r.closed.samples.back().stamp_s - r.closed.samples.front().stamp_s;
   r.closed_score = score_run(r.closed);
   r.bare_score = score_run(r.bare);
