@@ -1,5 +1,6 @@
-#include <atomic>
+#include <algorithm>
 #include <cstring>
+#include <memory>
 
 #include "common/search/search_backend.h"
 #include "cpu/parallel.h"
@@ -75,27 +76,24 @@ void look_along(const SearchTask& t, std::int32_t k, Looks& looks) {
   }
 }
 
-/// found(block_i, block_j, bound) for every free block of a heading whose bound reaches least().
+/// found(block_i, block_j, bound) for every free block of a row whose bound reaches least().
 template <class Least, class Found>
-inline __attribute__((always_inline)) void sweep(const SearchTask& t, std::int32_t k, Looks& looks,
-                                                 const Least& least, const Found& found) {
+inline __attribute__((always_inline)) void sweep_row(const SearchTask& t, std::int32_t j, Looks& looks,
+                                                     const Least& least, const Found& found) {
   const SearchPlane& windows = t.grid.windows;
-  look_along(t, k, looks);
-  for (std::int32_t j = t.block_j; j < t.block_end_j; ++j) {
-    for (std::int32_t b = 0; b < t.beams; ++b)  // beyond the map are zeros
-      looks.row[b] =
-          looks.plane[b] + std::int64_t{limited(j + looks.entry[b].y, -1, windows.height)} * windows.stride;
-    const std::uint8_t* free = t.grid.free_blocks + std::int64_t{j} * t.grid.blocks_x();
-    for (std::int32_t i = t.block_i; i < t.block_end_i; i += kLanes) {
-      Sums sums;
-      const auto strip = [&](std::int32_t b, std::uint8_t* bytes) {
-        std::memcpy(bytes, looks.row[b] + limited(i + looks.entry[b].x, -kLanes, windows.width), kLanes);
-      };
-      if (!sum_lanes(t.beams, least(), strip, sums)) continue;
-      const std::int32_t lanes = t.block_end_i - i < kLanes ? t.block_end_i - i : kLanes;
-      for (std::int32_t n = 0; n < lanes; ++n)
-        if (sums.lane[n] >= least() && free[i + n] != 0) found(i + n, j, std::uint32_t{sums.lane[n]});
-    }
+  for (std::int32_t b = 0; b < t.beams; ++b)  // beyond the map are zeros
+    looks.row[b] =
+        looks.plane[b] + std::int64_t{limited(j + looks.entry[b].y, -1, windows.height)} * windows.stride;
+  const std::uint8_t* free = t.grid.free_blocks + std::int64_t{j} * t.grid.blocks_x();
+  for (std::int32_t i = t.block_i; i < t.block_end_i; i += kLanes) {
+    Sums sums;
+    const auto strip = [&](std::int32_t b, std::uint8_t* bytes) {
+      std::memcpy(bytes, looks.row[b] + limited(i + looks.entry[b].x, -kLanes, windows.width), kLanes);
+    };
+    if (!sum_lanes(t.beams, least(), strip, sums)) continue;
+    const std::int32_t lanes = t.block_end_i - i < kLanes ? t.block_end_i - i : kLanes;
+    for (std::int32_t n = 0; n < lanes; ++n)
+      if (sums.lane[n] >= least() && free[i + n] != 0) found(i + n, j, std::uint32_t{sums.lane[n]});
   }
 }
 
@@ -124,83 +122,176 @@ inline __attribute__((always_inline)) void search_block(const SearchTask& t, con
   if (best >= 0) record_pose(t, finds, k, i + best % kBlockCells, j + best / kBlockCells, sums.lane[best]);
 }
 
+/// A block that a sweep found. Its bound is kept because the threshold may rise before it is its turn.
+struct Found {
+  std::uint16_t bound, heading;  // the heading is the task's n-th
+  std::uint32_t block;
+};
+
 class CpuSearch final : public SearchBackend {
  public:
   CpuSearch(const SearchMap& map, int threads)
-      : map_(map), workers_(cpu::Workers::open(threads)), champions_(map.free_blocks.size() * kTurnBins) {}
+      : map_(map),
+        workers_(cpu::Workers::open(threads)),
+        champions_(map.free_blocks.size() * kTurnBins),
+        queue_(std::make_unique_for_overwrite<Found[]>(std::max(kMostFound, map.free_blocks.size()))) {}
 
   std::string name() const override { return workers_.name(); }
 
-  void search(const SearchTask& asked, const SearchScan& scan,
-              std::vector<std::uint64_t>& champions) override {
-    SearchTask task = asked;
-    task.grid = map_.view();
-    task.offsets = scan.offsets.data();
-    clear();
+  void begin(const SearchTask& asked, const SearchScan& scan) override {
+    task_ = asked;
+    task_.grid = map_.view();
+    task_.offsets = scan.offsets.data();
+    tops_.assign(static_cast<std::size_t>((task_.heading_count + kDiveStep - 1) / kDiveStep), 0);
     best_ = 0;
-    const SearchFinds finds{&best_, champions_.data()};
-    dive(task, finds);
-    for_each_heading(task.heading_count, [&](std::int32_t n, Looks& looks) PARLOC_SIMD_LOOP {
-      const std::int32_t k = task.heading(n);
-      sweep(
-          task, k, looks, [&] { return task.threshold(atomic_read(finds.best)); },
-          [&](std::int32_t i, std::int32_t j, std::uint32_t) { search_block(task, finds, k, i, j); });
-    });
-    champions.clear();
-    const std::uint32_t least = task.threshold(best_);
-    for (const std::uint64_t key : champions_)
-      if (key != 0 && (key >> 40) >= least) champions.push_back(key);
+    found_ = 0;
   }
 
- private:
-  void clear() {
+  void clear(SearchItems rows) override {
     std::uint64_t* champion = champions_.data();
-    cpu::parallel_blocks(champions_.size(), champions_.size() < cpu::kSmallLoop ? 1 : workers_.threads, 64,
-                         [=](std::size_t begin, std::size_t end) PARLOC_SIMD_LOOP {
-                           for (std::size_t c = begin; c < end; ++c) champion[c] = 0;
+    const SearchTask& task = task_;
+    const bool few = rows.count * static_cast<std::size_t>(slots_of_row()) < cpu::kSmallLoop;
+    cpu::parallel_blocks(rows.count, few ? 1 : workers_.threads, 1,
+                         [=, &task](std::size_t begin, std::size_t end) PARLOC_SIMD_LOOP {
+                           for (std::size_t r = rows.first + begin; r < rows.first + end; ++r) {
+                             std::uint64_t* slot = champion + first_slot(task, r);
+                             std::fill(slot, slot + (task.block_end_i - task.block_i) * kTurnBins, 0);
+                           }
                          });
   }
 
-  void dive(const SearchTask& task, const SearchFinds& finds) {
-    const std::int32_t rounds = (task.heading_count + kDiveStep - 1) / kDiveStep;
+  void sweep_dive(SearchItems rows) override {
+    const SearchTask& task = task_;
+    std::uint64_t* tops = tops_.data();
     const std::int32_t width = task.grid.blocks_x();
-    for_each_heading(rounds, [&](std::int32_t n, Looks& looks) PARLOC_SIMD_LOOP {
-      const std::int32_t first = n * kDiveStep;
-      const std::int32_t middle = first + kDiveStep / 2 < task.heading_count ? first + kDiveStep / 2 : first;
-      std::uint64_t most = 0;
-      sweep(
-          task, task.heading(middle), looks,
+    const auto heading_of = [&](std::size_t round) {
+      const auto first = static_cast<std::int32_t>(round) * kDiveStep;
+      return task.heading(first + kDiveStep / 2 < task.heading_count ? first + kDiveStep / 2 : first);
+    };
+    for_each_row(rows, heading_of, [&](std::size_t round, std::int32_t j, Looks& looks) PARLOC_SIMD_LOOP {
+      std::uint64_t most = atomic_read(tops + round);
+      sweep_row(
+          task, j, looks,
           [&] {
             const auto bound = static_cast<std::uint32_t>(most >> 32);
             return bound > task.least ? bound : task.least;
           },
-          [&](std::int32_t i, std::int32_t j, std::uint32_t bound) {
-            const std::uint64_t key = block_key(bound, static_cast<std::uint32_t>(j * width + i));
+          [&](std::int32_t i, std::int32_t row, std::uint32_t bound) {
+            const std::uint64_t key = block_key(bound, static_cast<std::uint32_t>(row * width + i));
             if (key > most) most = key;
           });
-      if (most == 0) return;
-      const auto block = static_cast<std::int32_t>(block_of_key(most));
-      for (std::int32_t m = first; m < first + kDiveStep && m < task.heading_count; ++m)
-        search_block(task, finds, task.heading(m), block % width, block / width);
+      atomic_raise(tops + round, most);
     });
   }
 
-  /// Headings differ much in their work: whoever is done takes the next.
-  template <class Work>
-  void for_each_heading(std::int32_t count, const Work& work) const {
-    std::atomic<std::int32_t> next{0};
-    cpu::parallel_blocks(static_cast<std::size_t>(workers_.threads), workers_.threads, 1,
-                         [&](std::size_t, std::size_t) PARLOC_SIMD_LOOP {
-                           Looks looks;
-                           for (std::int32_t n; (n = next.fetch_add(1, std::memory_order_relaxed)) < count;)
-                             work(n, looks);
-                         });
+  void dive(SearchItems headings) override {
+    const SearchTask& task = task_;
+    const SearchFinds finds{&best_, champions_.data()};
+    const std::uint64_t* tops = tops_.data();
+    const std::int32_t width = task.grid.blocks_x();
+    for_each_of(headings, [&](std::size_t n) PARLOC_SIMD_LOOP {
+      const std::uint64_t top = tops[n / kDiveStep];
+      if (top == 0) return;
+      const auto block = static_cast<std::int32_t>(block_of_key(top));
+      search_block(task, finds, task.heading(static_cast<std::int32_t>(n)), block % width, block / width);
+    });
   }
+
+  void sweep(SearchItems rows) override {
+    const SearchTask& task = task_;
+    const std::uint32_t least = task.threshold(best_);
+    const std::int32_t width = task.grid.blocks_x();
+    std::uint64_t* count = &found_;
+    Found* queue = queue_.get();
+    const auto heading_of = [&](std::size_t n) { return task.heading(static_cast<std::int32_t>(n)); };
+    for_each_row(rows, heading_of, [&](std::size_t n, std::int32_t j, Looks& looks) PARLOC_SIMD_LOOP {
+      sweep_row(
+          task, j, looks, [&] { return least; },
+          [&](std::int32_t i, std::int32_t row, std::uint32_t bound) {
+            queue[atomic_add(count, std::uint64_t{1})] = {static_cast<std::uint16_t>(bound),
+                                                          static_cast<std::uint16_t>(n),
+                                                          static_cast<std::uint32_t>(row * width + i)};
+          });
+    });
+  }
+
+  std::size_t found() override { return static_cast<std::size_t>(found_); }
+  void forget_found() override { found_ = 0; }
+
+  void search_found(SearchItems found) override {
+    const SearchTask& task = task_;
+    const SearchFinds finds{&best_, champions_.data()};
+    const Found* queue = queue_.get();
+    const auto width = static_cast<std::uint32_t>(task.grid.blocks_x());
+    for_each_of(found, [&](std::size_t n) PARLOC_SIMD_LOOP {
+      const Found& f = queue[n];
+      if (f.bound < task.threshold(atomic_read(finds.best))) return;
+      search_block(task, finds, task.heading(f.heading), static_cast<std::int32_t>(f.block % width),
+                   static_cast<std::int32_t>(f.block / width));
+    });
+  }
+
+  void wait() override {}
+
+  void gather(SearchItems rows, std::vector<std::uint64_t>& champions) override {
+    const std::uint32_t least = task_.threshold(best_);
+    for (std::size_t r = rows.first; r < rows.end(); ++r) {
+      const std::uint64_t* slot = champions_.data() + first_slot(task_, r);
+      for (std::int32_t n = 0; n < slots_of_row(); ++n)
+        if (slot[n] != 0 && (slot[n] >> 40) >= least) champions.push_back(slot[n]);
+    }
+  }
+
+ private:
+  std::int32_t slots_of_row() const { return (task_.block_end_i - task_.block_i) * kTurnBins; }
+  static std::size_t first_slot(const SearchTask& t, std::size_t row) {
+    const std::int64_t block = (t.block_j + static_cast<std::int64_t>(row)) * t.grid.blocks_x() + t.block_i;
+    return static_cast<std::size_t>(block * kTurnBins);
+  }
+
+  /// work(item) for each. They differ much in their work: whoever is done takes the next few.
+  template <class Work>
+  void for_each_of(SearchItems items, const Work& work) const {
+    constexpr std::size_t few = 64;
+    cpu::parallel_tasks((items.count + few - 1) / few, items.count < kSmallWork ? 1 : workers_.threads,
+                        [&](std::size_t task) PARLOC_SIMD_LOOP {
+                          const std::size_t first = items.first + task * few;
+                          for (std::size_t n = first; n < std::min(first + few, items.end()); ++n) work(n);
+                        });
+  }
+
+  /// work(n, row of the map, looks) for each row of the task, at heading_of(n).
+  template <class Heading, class Work>
+  void for_each_row(SearchItems items, const Heading& heading_of, const Work& work) const {
+    const SearchTask& t = task_;
+    const auto rows = static_cast<std::size_t>(t.block_end_j - t.block_j);
+    const auto strips = static_cast<std::size_t>((t.block_end_i - t.block_i + kLanes - 1) / kLanes);
+    const std::size_t few = kSmallWork / 8 / strips + 1;
+    const int threads = items.count * strips < kSmallWork ? 1 : workers_.threads;
+    cpu::parallel_tasks((items.count + few - 1) / few, threads, [&](std::size_t task) PARLOC_SIMD_LOOP {
+      Looks looks;
+      std::size_t looks_at = ~std::size_t{0};
+      const std::size_t first = items.first + task * few;
+      for (std::size_t item = first; item < std::min(first + few, items.end()); ++item) {
+        const std::size_t n = item / rows;
+        if (n != looks_at) look_along(t, heading_of(n), looks);
+        looks_at = n;
+        work(n, t.block_j + static_cast<std::int32_t>(item % rows), looks);
+      }
+    });
+  }
+
+  /// Strips or blocks below which one thread does them all.
+  static constexpr std::size_t kSmallWork = 512;
 
   const SearchMap& map_;
   cpu::Workers workers_;
   std::vector<std::uint64_t> champions_;
+  std::unique_ptr<Found[]> queue_;  // not initialised: only what is used becomes memory
+  SearchTask task_;
+  std::vector<std::uint64_t> tops_;  // of the dive, by round: the block with the highest bound
   std::uint32_t best_ = 0;
+  std::uint64_t found_ = 0;
 };
 
 }  // namespace

@@ -1,9 +1,9 @@
-// Sums over the beams of a scan, as sum_beams of common/slam/matching/match_sums.h to the bit, in three
+// Sums over the beams of a scan, as sum_beams of common/slam/matching/match_scan.h to the bit, in three
 // passes: where the beams end (vectors), what is near there in the map (a beam at a time), what that is worth
 // (vectors).
 #pragma once
 
-#include "common/slam/matching/match_sums.h"
+#include "common/slam/matching/match_scan.h"
 
 namespace parloc::cpu {
 

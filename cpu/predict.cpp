@@ -12,9 +12,13 @@ void FilterStages::predict(const PredictArgs& args, Queue& workers) {
     float* __restrict theta = p.theta;
     for (std::size_t i = begin; i < end; ++i)
       predict_one(x[i], y[i], theta[i], motion, static_cast<std::uint32_t>(i), key.step, key.seed);
-    if (!widens(motion)) return;
-    for (std::size_t i = begin; i < end; ++i)
-      spread_one(x[i], y[i], theta[i], motion, static_cast<std::uint32_t>(i), key.step, key.seed);
+    if (widens(motion))
+      for (std::size_t i = begin; i < end; ++i)
+        spread_one(x[i], y[i], theta[i], motion, static_cast<std::uint32_t>(i), key.step, key.seed);
+    if (motion.slip_every > 0)
+      for (std::size_t i = begin; i < end; ++i)
+        if (slips(motion, static_cast<std::uint32_t>(i), key.step))
+          slip_one(x[i], y[i], theta[i], motion, static_cast<std::uint32_t>(i), key.step, key.seed);
   });
 }
 

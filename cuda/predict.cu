@@ -15,6 +15,8 @@ struct Predict {
       const std::uint32_t slot = static_cast<std::uint32_t>(i);
       predict_one(p.x[i], p.y[i], p.theta[i], motion, slot, key.step, key.seed);
       if (spread) spread_one(p.x[i], p.y[i], p.theta[i], motion, slot, key.step, key.seed);
+      if (slips(motion, slot, key.step))
+        slip_one(p.x[i], p.y[i], p.theta[i], motion, slot, key.step, key.seed);
     }
   }
 };

@@ -1,10 +1,12 @@
 // The `parloc` program: picks the subcommand, and turns every error into one line and an exit code.
 #include <fmt/format.h>
+#include <unistd.h>
 
 #include <CLI/CLI.hpp>
 #include <algorithm>
 #include <cctype>
 #include <cstdio>
+#include <cstdlib>
 #include <exception>
 #include <new>
 #include <string>
@@ -13,10 +15,21 @@
 
 #include "common/error.h"
 #include "tools/program/commands.h"
-#include "tools/program/openmp_wait.h"
 
 namespace parloc::tools {
 namespace {
+
+/// Starts the program anew with a short wait, once, unless the environment says how to wait. GNU OpenMP spins
+/// for about 3 ms otherwise. On a machine that is busy with something else, a thread that spins keeps the
+/// core from the very thread it waits for: steps of 1 ms then take 4 to 8. The setting is read when the
+/// library is loaded, so only the environment can give it. Returns if there is nothing to do or it cannot be
+/// done.
+void wait_briefly(char** argv) {
+  constexpr const char* kSpins = "3000";  // about 0.03 ms
+  if (std::getenv("GOMP_SPINCOUNT") != nullptr || std::getenv("OMP_WAIT_POLICY") != nullptr) return;
+  if (setenv("GOMP_SPINCOUNT", kSpins, 1) != 0) return;
+  execv("/proc/self/exe", argv);
+}
 
 /// One line on stderr, whatever file names and libraries put into `message`.
 int complain(std::string message, ErrorKind kind) {
@@ -53,18 +66,11 @@ int run_program(int argc, char** argv) {
   program.get_formatter()->column_width(26);
   program.get_formatter()->label("REQUIRED", "(needed)");
   program.footer("parloc COMMAND --help explains a command. Exit codes: docs/exit_codes.md");
-  const std::string typed = typed_command(argc, argv);
-  const std::vector<Command> commands{add_run_command(program, typed),
-                                      add_simulate_command(program),
-                                      add_learn_command(program, typed),
-                                      add_locate_command(program),
-                                      add_map_command(program),
-                                      add_config_command(program),
-                                      add_evaluate_command(program, typed),
-                                      add_compare_command(program, typed),
-                                      add_slam_command(program, typed),
-                                      add_bench_command(program, typed),
-                                      add_devices_command(program)};
+  std::vector<Command> commands;
+  for (const auto add : {add_run_command, add_simulate_command, add_learn_command, add_locate_command,
+                         add_map_command, add_config_command, add_evaluate_command, add_compare_command,
+                         add_slam_command, add_bench_command, add_devices_command})
+    commands.push_back(add(program));
   try {
     program.parse(argc, argv);
   } catch (const CLI::ParseError& e) {
@@ -76,7 +82,7 @@ int run_program(int argc, char** argv) {
     return complain(fmt::format("{} (see {} --help)", e.what(), where), ErrorKind::usage);
   }
   for (const Command& command : commands) {
-    if (command.app->parsed()) return command.run();
+    if (command.app->parsed()) return command.run(typed_command(argc, argv));
   }
   return complain("expected a command (see parloc --help)", ErrorKind::usage);
 }

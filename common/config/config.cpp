@@ -17,15 +17,15 @@ namespace {
 /// A complete configuration has 8 KiB.
 constexpr YamlRules kRules{"a configuration", 64 * 1024, ErrorKind::config};
 
-/// The alphas mean different things in the two forms, so a file that sets one must say which form it means.
+/// The alphas mean different things in each form, so a file that sets one must say which form it means.
 void require_form(const YamlSection& top) {
   const YamlSection motion = top.section("motion");
   if (motion.has("form")) return;
-  for (const char* alpha : {"alpha1", "alpha2", "alpha3", "alpha4"})
+  for (const char* alpha : {"alpha1", "alpha2", "alpha3", "alpha4", "alpha5"})
     if (motion.has(alpha))
       throw motion.error(alpha,
-                         "needs motion.form beside it: seed (sigma linear in the motion) or thrun "
-                         "(variance quadratic, as AMCL)");
+                         "needs motion.form beside it: seed (sigma linear in the motion), thrun "
+                         "(variance quadratic, as AMCL) or omni (likewise, and sideways)");
 }
 
 /// Limits of every setting first, then the rules between settings.

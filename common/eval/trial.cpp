@@ -4,26 +4,17 @@
 #include <cmath>
 #include <utility>
 
+#include "common/simulator/drive.h"
 #include "common/simulator/simulator.h"
 
 namespace parloc {
 namespace {
 
-double length_m(const WaypointPath& path) {
-  double sum_m = 0.0;
-  for (std::size_t k = 1; k < path.points.size(); ++k) {
-    const double dx = path.points[k].x_m - path.points[k - 1].x_m;
-    const double dy = path.points[k].y_m - path.points[k - 1].y_m;
-    sum_m += std::sqrt(dx * dx + dy * dy);
-  }
-  return sum_m;
-}
-
 /// Boxes stand along a path: a shorter one has fewer of them, as dense as the scenario has them on its own.
 int boxes_along(const WaypointPath& path, const Scenario& base) {
-  const double own_m = length_m(base.path);
+  const double own_m = path_length_m(base.path);
   if (!(own_m > 0.0)) return base.clutter.boxes;
-  return static_cast<int>(std::lround(base.clutter.boxes * length_m(path) / own_m));
+  return static_cast<int>(std::lround(base.clutter.boxes * path_length_m(path) / own_m));
 }
 
 /// The scenario's robot on a random drive.

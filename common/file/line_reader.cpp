@@ -17,21 +17,10 @@ namespace {
 constexpr std::size_t kBlockBytes = std::size_t{1} << 16;
 }
 
-/// Where bytes come from.
-class LineReader::Source {
- public:
-  virtual ~Source() = default;
-  /// Up to `size` bytes; 0 at the end or at a failure, which it describes.
-  virtual std::size_t read(char* to, std::size_t size, std::string& failure) = 0;
-  virtual double progress() const = 0;
-};
-
-namespace {
-
 // zlib reads a file without gzip's magic number as it is, so one path serves both.
-class FileSource final : public LineReader::Source {
+class LineReader::File {
  public:
-  explicit FileSource(const std::string& path) {
+  explicit File(const std::string& path) {
     std::error_code none;
     const auto status = std::filesystem::status(path, none);
     if (std::filesystem::is_directory(status)) {
@@ -48,11 +37,12 @@ class FileSource final : public LineReader::Source {
     }
     gzbuffer(file_, kBlockBytes);
   }
-  FileSource(const FileSource&) = delete;
-  FileSource& operator=(const FileSource&) = delete;
-  ~FileSource() override { gzclose(file_); }
+  File(const File&) = delete;
+  File& operator=(const File&) = delete;
+  ~File() { gzclose(file_); }
 
-  std::size_t read(char* to, std::size_t size, std::string& failure) override {
+  /// Up to `size` bytes; 0 at the end or at a failure, which it describes.
+  std::size_t read(char* to, std::size_t size, std::string& failure) {
     const int got = gzread(file_, to, static_cast<unsigned>(size));
     if (got > 0) return static_cast<std::size_t>(got);
     int code = Z_OK;
@@ -68,7 +58,7 @@ class FileSource final : public LineReader::Source {
     return 0;
   }
 
-  double progress() const override {
+  double progress() const {
     if (at_end_) return 1.0;
     if (!(size_bytes_ > 0.0)) return 0.0;  // a pipe has no size
     return std::clamp(static_cast<double>(gzoffset(file_)) / size_bytes_, 0.0, 1.0);
@@ -80,46 +70,27 @@ class FileSource final : public LineReader::Source {
   bool at_end_ = false;
 };
 
-class TextSource final : public LineReader::Source {
- public:
-  explicit TextSource(std::string text) : text_(std::move(text)) {}
-
-  std::size_t read(char* to, std::size_t size, std::string&) override {
-    const std::size_t count = std::min(size, text_.size() - position_);
-    std::copy_n(text_.data() + position_, count, to);
-    position_ += count;
-    return count;
-  }
-
-  double progress() const override {
-    return text_.empty() ? 1.0 : static_cast<double>(position_) / static_cast<double>(text_.size());
-  }
-
- private:
-  std::string text_;
-  std::size_t position_ = 0;
-};
-
-}  // namespace
-
-LineReader::LineReader(std::unique_ptr<Source> source, std::string name)
-    : source_(std::move(source)), name_(std::move(name)) {}
+LineReader::LineReader(std::string name) : name_(std::move(name)) {}
 LineReader::LineReader(LineReader&&) noexcept = default;
 LineReader::~LineReader() = default;
 
 LineReader LineReader::from_file(const std::string& path) {
-  LineReader reader(std::make_unique<FileSource>(path), path);
+  LineReader reader(path);
+  reader.file_ = std::make_unique<File>(path);
   // The first block is read here, so that a file that gives nothing at all is told at once.
   if (!reader.refill() && !reader.failure_.empty()) throw input_error(path, 0, reader.failure_);
   return reader;
 }
 
 LineReader LineReader::from_text(std::string text, const std::string& name) {
-  return LineReader(std::make_unique<TextSource>(std::move(text)), name);
+  LineReader reader(name);
+  reader.buffer_ = std::move(text);
+  reader.at_end_ = true;
+  return reader;
 }
 
 double LineReader::progress() const {
-  return source_->progress();
+  return file_ != nullptr ? file_->progress() : 1.0;
 }
 
 // Appends a block to what is left of the last one; false when there is no more.
@@ -129,7 +100,7 @@ bool LineReader::refill() {
   begin_ = 0;
   const std::size_t kept = buffer_.size();
   buffer_.resize(kept + kBlockBytes);
-  const std::size_t got = source_->read(buffer_.data() + kept, kBlockBytes, failure_);
+  const std::size_t got = file_->read(buffer_.data() + kept, kBlockBytes, failure_);
   buffer_.resize(kept + got);
   at_end_ = got == 0;
   return !at_end_;

@@ -33,16 +33,16 @@ class LineReader {
   /// Why reading ended before the end of the file (truncated or damaged gzip, read error); empty if it did
   /// not.
   const std::string& failure() const { return failure_; }
-  double progress() const;  ///< Fraction read, 0 to 1; compressed bytes for gzip.
-
-  class Source;  ///< Where bytes come from: a file or a text (line_reader.cpp).
+  /// Fraction read, 0 to 1; compressed bytes for gzip. Of a text: all of it.
+  double progress() const;
 
  private:
-  LineReader(std::unique_ptr<Source> source, std::string name);
+  class File;
+  explicit LineReader(std::string name);
   bool refill();
   void skip_rest_of_line();
 
-  std::unique_ptr<Source> source_;
+  std::unique_ptr<File> file_;  ///< Null for a text, which is in the buffer as a whole.
   std::string name_;
   std::string buffer_;
   std::size_t begin_ = 0;  ///< Of the bytes in buffer_ not yet given out.

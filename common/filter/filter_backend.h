@@ -22,8 +22,8 @@ struct FilterBackendConfig {
   std::int64_t particles = 0;  ///< The most that there can be.
   int threads = 0;             ///< CPU: 0 is all cores.
   int device = 0;              ///< CUDA: index of the device.
-  SensorConfig sensor;
-  ResampleConfig resample;
+  SensorConfig sensor{};
+  ResampleConfig resample{};
   std::int64_t min_particles =
       0;  ///< Fewer than `particles`: adapt() chooses their number. 0: it never does.
   KldConfig kld{};

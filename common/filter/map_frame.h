@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "common/filter/filter_backend.h"
-#include "common/filter/particle_filter.h"
+#include "common/filter/pose_filter.h"
 #include "common/filter/stages.h"
 #include "common/map/grid_map.h"
 #include "common/math/portable64.h"

@@ -2,15 +2,14 @@
 
 #include <algorithm>
 #include <cmath>
-#include <optional>
+#include <memory>
 #include <utility>
 
 #include "common/error.h"
-#include "common/filter/filter_backend.h"
+#include "common/filter/filter_run.h"
 #include "common/filter/map_frame.h"
-#include "common/filter/run_digest.h"
+#include "common/filter/propose_particles.h"
 #include "common/filter/start.h"
-#include "common/filter/step_front_end.h"
 #include "common/math/portable64.h"
 
 namespace parloc {
@@ -45,56 +44,50 @@ struct LidarState {
 
 }  // namespace
 
-struct ParticleFilter::State {
-  explicit State(const FilterConfig& c) : config(c), front_end(config) {}
+struct ParticleFilter::State : RunConfig<FilterConfig>, Run {
+  State(const FilterConfig& c, const GridMap& on) : RunConfig{c}, Run(config, on) {}
+  ParticleSet download() const override { return backend->download(); }
+  std::string backend_name() const override { return backend->name(); }
 
-  FilterConfig config;
-  GridMap map;
   std::unique_ptr<FilterBackend> backend;
-  BeamTable beams;
-  StepFrontEnd front_end;
   std::vector<LidarState> lidars;  // one per LiDAR seen
   double range_max_m = 0.0;        // that the backend's tables are made for
-  Estimate last;
-  std::size_t steps = 0;
-  int unlikely_scans = 0;  // in a row, up to the last one
-  int widenings_due = 0;   // in units of the configured noise, in the next step
-  bool started = false;
-  RunDigest digest;
+  int unlikely_scans = 0;          // in a row, up to the last one
+  int widenings_due = 0;           // in units of the configured noise, in the next step
 
-  RandomKey key() const { return {config.seed, static_cast<std::uint32_t>(steps)}; }
   void begin(ParticleSet set);
   std::size_t lidar_of(const Scan& scan);
   MotionStep motion_to(const Pose& odometry);
   bool may_widen_next() const;
   void watch_likelihood(const Estimate& e);
   bool take_in(const Scan& scan, std::size_t lidar);
-  void remember(const Estimate& e);
 };
+
+ParticleFilter::State& ParticleFilter::state() {
+  return static_cast<State&>(*run_);
+}
+const ParticleFilter::State& ParticleFilter::state() const {
+  return static_cast<const State&>(*run_);
+}
 
 void ParticleFilter::State::begin(ParticleSet set) {
   backend->upload(std::move(set));
-  front_end.clear();
+  Run::begin();
   lidars.clear();
-  last = {};
-  steps = 0;
   unlikely_scans = widenings_due = 0;
-  digest = {};
-  started = true;
 }
 
 std::size_t ParticleFilter::State::lidar_of(const Scan& scan) {
   const std::size_t lidar = front_end.lidar_of(scan);
-  lidars.resize(front_end.intake().used().size());
+  lidars.resize(front_end.lidars_used().size());
   return lidar;
 }
 
 MotionStep ParticleFilter::State::motion_to(const Pose& odometry) {
-  const Movement movement = front_end.move_to(odometry);
-  MotionStep step = motion_step(movement.increment, config.motion, movement.inflation);
+  MotionStep step = motion_step(front_end.move_to(odometry), config.motion);
   const double widenings = std::exchange(widenings_due, 0);
-  step.spread_xy = static_cast<float>(widenings * config.recovery.expansion_sigma_xy);
-  step.spread_theta = static_cast<float>(widenings * config.recovery.expansion_sigma_theta);
+  step.spread_xy += static_cast<float>(widenings * config.recovery.expansion_sigma_xy);
+  step.spread_theta += static_cast<float>(widenings * config.recovery.expansion_sigma_theta);
   return step;
 }
 
@@ -129,39 +122,29 @@ bool ParticleFilter::State::take_in(const Scan& scan, std::size_t lidar) {
   return true;
 }
 
-void ParticleFilter::State::remember(const Estimate& e) {
-  digest.add(e);
-  if (e.weighted) watch_likelihood(e);
-  last = e;
-}
-
 ParticleFilter::ParticleFilter(const FilterConfig& config, const GridMap& map)
-    : state_(std::make_unique<State>(config)) {
+    : PoseFilter(std::make_unique<State>(config, map)) {
   validate(config);
   check_has_free_cell(map);
-  state_->map = map;
   std::string why;
-  state_->backend =
+  state().backend =
       make_filter_backend(config.backend,
                           {config.most_particles(), config.threads, config.device, config.sensor,
                            config.resample, config.fewest_particles(), config.kld, config.recovery},
                           why);
-  state_->backend->set_map(map);
+  state().backend->set_map(map);
 }
 
-ParticleFilter::~ParticleFilter() = default;
-ParticleFilter::ParticleFilter(ParticleFilter&&) noexcept = default;
-ParticleFilter& ParticleFilter::operator=(ParticleFilter&&) noexcept = default;
-
 void ParticleFilter::start_at(const Pose& pose, double sigma_x_m, double sigma_y_m, double sigma_theta_rad) {
-  State& s = *state_;
+  State& s = state();
   check_start(s.map, pose, sigma_x_m, sigma_y_m, sigma_theta_rad);
   s.begin(gaussian_start(s.map, pose, sigma_x_m, sigma_y_m, sigma_theta_rad, s.config.most_particles(),
                          s.config.seed));
 }
 
 void ParticleFilter::start_anywhere() {
-  state_->begin(uniform_start(state_->map, state_->config.most_particles(), state_->config.seed));
+  State& s = state();
+  s.begin(uniform_start(s.map, s.config.most_particles(), s.config.seed));
 }
 
 namespace {
@@ -179,13 +162,13 @@ void check(const std::vector<PoseGuess>& guesses) {
 
 void ParticleFilter::start_at(const std::vector<PoseGuess>& guesses) {
   check(guesses);
-  State& s = *state_;
+  State& s = state();
   s.begin(mixture_start(s.map, guesses, s.config.most_particles(), s.config.seed, 0));
 }
 
 void ParticleFilter::relocate(const std::vector<PoseGuess>& guesses, const Pose& odometry) {
   check(guesses);
-  State& s = *state_;
+  State& s = state();
   const auto step = static_cast<std::uint32_t>(s.steps);
   s.backend->upload(mixture_start(s.map, guesses, s.config.most_particles(), s.config.seed, step));
   s.front_end.set_odometry(odometry);
@@ -194,27 +177,37 @@ void ParticleFilter::relocate(const std::vector<PoseGuess>& guesses, const Pose&
   s.started = true;
 }
 
-void ParticleFilter::set_seed(std::uint64_t seed) {
-  state_->config.seed = seed;
+void ParticleFilter::propose(const PoseGuess& guess, double share, const SlipPrior& slip) {
+  check({guess});
+  State& s = state();
+  ParticleSet set = s.backend->download();
+  propose_particles(set, s.map, guess, share, slip, static_cast<std::uint32_t>(s.steps), s.config.seed);
+  s.backend->upload(std::move(set));
 }
 
-void ParticleFilter::add_odometry(double stamp_s, const Pose& odometry) {
-  state_->front_end.add_odometry(stamp_s, odometry);
+bool ParticleFilter::counts(const Pose& odometry, const Scan& scan) const {
+  const State& s = state();
+  for (std::size_t k = 0; k < s.lidars.size(); ++k)
+    if (s.front_end.lidars_used()[k].name == scan.sensor)
+      return s.front_end.moved_enough(s.lidars[k].odometry, odometry);
+  return true;
 }
 
-Estimate ParticleFilter::step(const Pose& odometry, const Scan& scan) {
-  State& s = *state_;
+Estimate ParticleFilter::step(const Pose& recorded, const Scan& scan) {
+  State& s = state();
   if (!s.started) throw Error(ErrorKind::internal, "ParticleFilter::step before start_at or start_anywhere");
-  if (!s.front_end.accept(odometry)) return s.last;
-  s.front_end.add_odometry(scan.stamp_s, odometry);
+  s.why_skipped = "too little motion, or odometry not finite";
+  const std::optional<OdometryReading> reading = s.front_end.take_odometry(scan.stamp_s, recorded);
+  if (!reading) return s.not_weighed();
+  const Pose odometry = reading->pose;
   const std::size_t lidar = s.lidar_of(scan);
   if (!s.front_end.moved_enough(s.lidars[lidar].odometry, odometry)) {
-    Estimate e = s.last;
+    Estimate e = s.not_weighed();
     e.pose = compose(s.last.pose, relative(odometry, *s.front_end.odometry()));
-    e.weighted = e.resampled = false;
     return e;
   }
   const bool weighted = s.take_in(scan, lidar);
+  s.why_skipped = weighted ? "" : "too few beams";
   s.lidars[lidar].odometry = odometry;
 
   s.backend->predict(s.motion_to(odometry), s.key());  // Paz et al. 2012, eq. 6 to 8
@@ -229,54 +222,26 @@ Estimate ParticleFilter::step(const Pose& odometry, const Scan& scan) {
     s.backend->resample(s.key());                   // algorithm 4, when N_eff or the scans ask for it
   }
   const Estimate e = to_estimate(s.backend->finish(), s.config, s.map.T_map_grid, weighted);
+  if (weighted) s.watch_likelihood(e);
   s.remember(e);
-  ++s.steps;
   return e;
 }
 
-std::vector<Particle> ParticleFilter::particles(std::size_t most) const {
-  return in_map_frame(state_->backend->download(), state_->map.T_map_grid, most);
-}
-
 const BeamTable& ParticleFilter::last_beams() const {
-  return state_->beams;
+  return state().beams;
 }
 BeamTable ParticleFilter::beams(const Scan& scan) const {
-  return state_->front_end.beams_of(scan, state_->config.sensor, state_->map.resolution_m);
+  const State& s = state();
+  return s.front_end.beams_of(scan, s.config.sensor, s.map.resolution_m);
 }
 const std::optional<Pose>& ParticleFilter::odometry() const {
-  return state_->front_end.odometry();
-}
-BeamCounts ParticleFilter::beam_counts() const {
-  return state_->front_end.intake().total();
-}
-const std::vector<LidarUse>& ParticleFilter::lidars_used() const {
-  return state_->front_end.intake().used();
+  return state().front_end.odometry();
 }
 std::vector<EndPoint> ParticleFilter::end_points(const Scan& scan) const {
-  return state_->front_end.end_points_of(scan);
-}
-std::size_t ParticleFilter::odometry_jumps() const {
-  return state_->front_end.jumps();
-}
-std::size_t ParticleFilter::odometry_invalid() const {
-  return state_->front_end.invalid();
-}
-std::size_t ParticleFilter::steps() const {
-  return state_->steps;
-}
-std::string ParticleFilter::backend_name() const {
-  return state_->backend->name();
+  return state().front_end.end_points_of(scan);
 }
 const FilterConfig& ParticleFilter::config() const {
-  return state_->config;
-}
-const GridMap& ParticleFilter::map() const {
-  return state_->map;
-}
-
-std::string ParticleFilter::digest() const {
-  return state_->digest.hex_with(state_->backend->download());
+  return state().config;
 }
 
 }  // namespace parloc

@@ -12,4 +12,12 @@ struct PoseGuess {
   double weight = 1.0;  ///< Relative to the others; above 0.
 };
 
+/// That the wheels have slipped: where the robot is then, as a Gaussian about where they say that it is, and
+/// how likely that is against that they have not.
+struct SlipPrior {
+  Pose expected;  ///< Map frame.
+  double sigma_m = 0.3, sigma_rad = 0.2;
+  double odds = 0.01;
+};
+
 }  // namespace parloc

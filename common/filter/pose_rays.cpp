@@ -4,7 +4,7 @@
 
 #include "common/filter/bind.h"
 #include "common/filter/trace_beam.h"
-#include "common/map/blocking_cells.h"
+#include "common/map/grid_map.h"
 #include "common/map/rays/skip_field.h"
 
 namespace parloc {

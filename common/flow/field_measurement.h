@@ -3,11 +3,13 @@
 // once they are summed.
 #pragma once
 
+#include <cstddef>
+
 #include "common/filter/stages.h"
-#include "common/flow/field_patch.h"
+#include "common/flow/distance_table.h"
 #include "common/flow/flow_config.h"
-#include "common/flow/lane_sum.h"
 #include "common/flow/pose_algebra.h"
+#include "common/math/host_device.h"
 
 namespace parloc {
 
@@ -62,6 +64,46 @@ PARLOC_HD BeamSlopes beam_slopes(const FieldValue& f, const ScanPose& p, const B
   return {fused(f.slope_y, arm.x, -(f.slope_x * arm.y)), fused(f.slope_x, dx, f.slope_y * dy),
           fused(arm.x, arm.x, arm.y * arm.y)};
 }
+
+/// Sums over the beams of a scan are made in a fixed shape (SPEC 0.7, S32): lane l of 32 adds the terms l,
+/// l + 32, ... in that order, then lanes are folded with offsets 16 to 1. The shape, and so the bits, do not
+/// depend on who adds: a warp of a GPU, or vectors of a CPU.
+constexpr std::size_t kBeamLanes = 32;
+
+/// Terms of one beam, or their sums over a scan.
+template <int K>
+struct BeamTerms {
+  float v[K];
+};
+
+/// The sums of each lane.
+template <int K>
+struct LaneSums {
+  float lane[K][kBeamLanes];
+
+  PARLOC_HD void clear(std::size_t l) {
+    for (int k = 0; k < K; ++k) lane[k][l] = 0.0f;
+  }
+  PARLOC_HD void add(std::size_t l, const BeamTerms<K>& terms) {
+    for (int k = 0; k < K; ++k) lane[k][l] += terms.v[k];
+  }
+  /// Of one lane below `offset`: it takes over its partner.
+  PARLOC_HD void fold(std::size_t l, std::size_t offset) {
+    for (int k = 0; k < K; ++k) lane[k][l] += lane[k][l + offset];
+  }
+  /// What is left in lane 0 after all folds.
+  PARLOC_HD BeamTerms<K> total() const {
+    BeamTerms<K> sum;
+    for (int k = 0; k < K; ++k) sum.v[k] = lane[k][0];
+    return sum;
+  }
+  /// All folds, on one thread.
+  PARLOC_HD BeamTerms<K> fold_all() {
+    for (std::size_t offset = kBeamLanes / 2; offset > 0; offset /= 2)
+      for (std::size_t l = 0; l < offset; ++l) fold(l, offset);
+    return total();
+  }
+};
 
 /// What the mean distance is summed from.
 struct MeanTerms {

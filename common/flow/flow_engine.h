@@ -8,7 +8,7 @@
 #include "common/filter/engine/weighted_cloud.h"
 #include "common/flow/flow_backend.h"
 #include "common/flow/flow_stages.h"
-#include "common/map/blocking_cells.h"
+#include "common/map/grid_map.h"
 
 namespace parloc {
 

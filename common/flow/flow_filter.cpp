@@ -1,14 +1,12 @@
 #include "common/flow/flow_filter.h"
 
 #include <algorithm>
-#include <cmath>
-#include <optional>
+#include <memory>
 
 #include "common/error.h"
+#include "common/filter/filter_run.h"
 #include "common/filter/map_frame.h"
-#include "common/filter/run_digest.h"
 #include "common/filter/start.h"
-#include "common/filter/step_front_end.h"
 #include "common/flow/flow_backend.h"
 #include "common/flow/mean_update.h"
 
@@ -70,25 +68,27 @@ PoseEstimate cloud_of(const FlowState& s, const Pose& T_map_grid) {
 
 }  // namespace
 
-struct FlowFilter::State {
-  State(FlowMethod m, const FlowFilterConfig& c) : method(m), config(c), front_end(config) {}
+struct FlowFilter::State : RunConfig<FlowFilterConfig>, Run {
+  State(FlowMethod m, const FlowFilterConfig& c, const GridMap& on)
+      : RunConfig{c}, Run(config, on), method(m) {}
+  ParticleSet download() const override { return backend->download(); }
+  std::string backend_name() const override { return backend->name(); }
 
   FlowMethod method;
-  FlowFilterConfig config;
-  GridMap map;
   std::unique_ptr<FlowBackend> backend;
-  BeamTable beams;
-  StepFrontEnd front_end;
-  Estimate last;
-  FlowSkip skip = FlowSkip::no_scan;
-  std::size_t stiff = 0, steps = 0;
-  bool started = false;
-  RunDigest digest;
+  std::size_t stiff = 0;
 
   std::int64_t particles() const { return is_kalman(method) ? 0 : config.particles; }
   Estimate to_estimate(const FlowState& s) const;
-  void remember(const FlowState& s, const Estimate& e);
+  bool is_stiff(const FlowState& s) const;
 };
+
+FlowFilter::State& FlowFilter::state() {
+  return static_cast<State&>(*run_);
+}
+const FlowFilter::State& FlowFilter::state() const {
+  return static_cast<const State&>(*run_);
+}
 
 Estimate FlowFilter::State::to_estimate(const FlowState& s) const {
   Estimate e;
@@ -109,111 +109,61 @@ Estimate FlowFilter::State::to_estimate(const FlowState& s) const {
   return e;
 }
 
-void FlowFilter::State::remember(const FlowState& s, const Estimate& e) {
-  skip = s.skip;
+bool FlowFilter::State::is_stiff(const FlowState& s) const {
   const bool euler = config.flow.integrator == FlowIntegrator::euler ||
                      (method == FlowMethod::edh && config.flow.integrator == FlowIntegrator::automatic);
   const bool steps_lag = !is_kalman(method) && method != FlowMethod::naedh && method != FlowMethod::gromov;
-  stiff += euler && steps_lag && s.skip == FlowSkip::none && s.stiffness > kStiff ? 1 : 0;
-  digest.add(e);
-  last = e;
+  return euler && steps_lag && s.skip == FlowSkip::none && s.stiffness > kStiff;
 }
 
 FlowFilter::FlowFilter(FlowMethod method, const FlowFilterConfig& config, const GridMap& map)
-    : state_(std::make_unique<State>(method, config)) {
+    : PoseFilter(std::make_unique<State>(method, config, map)) {
   validate(config);
   check_has_free_cell(map);
-  State& s = *state_;
-  s.map = map;
+  State& s = state();
   std::string why;
   s.backend = make_flow_backend(
       config.backend, {s.particles(), config.threads, config.device, config.flow, method, config.resample},
       why);
   s.backend->set_map(map);
+  s.why_skipped = text_of(FlowSkip::no_scan);
 }
 
-FlowFilter::~FlowFilter() = default;
-
 void FlowFilter::start_at(const Pose& pose, double sigma_x_m, double sigma_y_m, double sigma_theta_rad) {
-  State& s = *state_;
+  State& s = state();
   check_start(s.map, pose, sigma_x_m, sigma_y_m, sigma_theta_rad);
   s.backend->start(
       gaussian_start(s.map, pose, sigma_x_m, sigma_y_m, sigma_theta_rad, s.particles(), s.config.seed),
       start_gaussian(s.map, pose, sigma_x_m, sigma_y_m, sigma_theta_rad));
-  s.front_end.clear();
-  s.last = {};
+  s.begin();
   s.last.pose = pose;
-  s.skip = FlowSkip::no_scan;
-  s.stiff = s.steps = 0;
-  s.digest = {};
-  s.started = true;
+  s.why_skipped = text_of(FlowSkip::no_scan);
+  s.stiff = 0;
 }
 
-void FlowFilter::set_seed(std::uint64_t seed) {
-  state_->config.seed = seed;
-}
-
-void FlowFilter::add_odometry(double stamp_s, const Pose& odometry) {
-  state_->front_end.add_odometry(stamp_s, odometry);
-}
-
-Estimate FlowFilter::step(const Pose& odometry, const Scan& scan) {
-  State& s = *state_;
+Estimate FlowFilter::step(const Pose& recorded, const Scan& scan) {
+  State& s = state();
   if (!s.started) throw Error(ErrorKind::internal, "FlowFilter::step before start_at");
-  if (!s.front_end.accept(odometry)) return s.last;
-  s.front_end.add_odometry(scan.stamp_s, odometry);
+  const std::optional<OdometryReading> odometry = s.front_end.take_odometry(scan.stamp_s, recorded);
+  if (!odometry) return s.not_weighed();
   const FlowFilterConfig& c = s.config;
   // What the sensor models of a particle filter need of a beam is not read here.
   const bool enough = s.front_end.take(scan, SensorConfig{}, s.map.resolution_m, s.beams) &&
                       s.beams.hits >= static_cast<std::size_t>(c.scan.min_beams);
-  const Movement movement = s.front_end.move_to(odometry);
-  const MotionStep motion = motion_step(movement.increment, c.motion, movement.inflation);
-  const RandomKey key{c.seed, static_cast<std::uint32_t>(s.steps)};
-  const FlowState& state = s.backend->step(motion, key, enough ? &s.beams : nullptr);
-  const Estimate e = s.to_estimate(state);
-  s.remember(state, e);
-  ++s.steps;
+  const MotionStep motion = motion_step(s.front_end.move_to(odometry->pose), c.motion);
+  const FlowState& after = s.backend->step(motion, s.key(), enough ? &s.beams : nullptr);
+  const Estimate e = s.to_estimate(after);
+  s.why_skipped = text_of(after.skip);
+  s.stiff += s.is_stiff(after) ? 1 : 0;
+  s.remember(e);
   return e;
 }
 
-std::string FlowFilter::why_skipped() const {
-  return text_of(state_->skip);
-}
-
-std::vector<Particle> FlowFilter::particles(std::size_t most) const {
-  return in_map_frame(state_->backend->download(), state_->map.T_map_grid, most);
-}
-
-BeamCounts FlowFilter::beam_counts() const {
-  return state_->front_end.intake().total();
-}
-const std::vector<LidarUse>& FlowFilter::lidars_used() const {
-  return state_->front_end.intake().used();
-}
-std::size_t FlowFilter::odometry_jumps() const {
-  return state_->front_end.jumps();
-}
-std::size_t FlowFilter::odometry_invalid() const {
-  return state_->front_end.invalid();
-}
 std::size_t FlowFilter::stiff_scans() const {
-  return state_->stiff;
-}
-std::size_t FlowFilter::steps() const {
-  return state_->steps;
-}
-std::string FlowFilter::backend_name() const {
-  return state_->backend->name();
+  return state().stiff;
 }
 const FlowFilterConfig& FlowFilter::config() const {
-  return state_->config;
-}
-const GridMap& FlowFilter::map() const {
-  return state_->map;
-}
-
-std::string FlowFilter::digest() const {
-  return state_->digest.hex_with(state_->backend->download());
+  return state().config;
 }
 
 }  // namespace parloc

@@ -7,8 +7,8 @@
 #include "common/filter/stages.h"
 #include "common/flow/exact_flow.h"
 #include "common/flow/field_measurement.h"
+#include "common/flow/kalman_update.h"
 #include "common/flow/pose_gaussian.h"
-#include "common/flow/scalar_ekf.h"
 
 namespace parloc {
 

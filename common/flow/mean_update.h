@@ -5,7 +5,7 @@
 
 #include "common/flow/cloud_move.h"
 #include "common/flow/flow_state.h"
-#include "common/flow/vector_ekf.h"
+#include "common/flow/kalman_update.h"
 
 namespace parloc {
 

@@ -10,6 +10,8 @@ namespace parloc {
 
 /// The one list of formats: today CARMEN text, plain or gzip (open_carmen_log). Throws Error{input} if the
 /// file cannot be read.
-std::unique_ptr<LogReader> open_log(const std::string& path);
+inline std::unique_ptr<LogReader> open_log(const std::string& path) {
+  return open_carmen_log(path);
+}
 
 }  // namespace parloc

@@ -1,15 +1,25 @@
 #include "common/localize/health.h"
 
+#include <algorithm>
+
 #include "common/math/portable.h"
 
 namespace parloc {
 namespace {
 
-constexpr double kMemory_s = 0.4;  // of the running mean
-
-/// Logistic regression of "is right" on the evidence: docs/localize.md says on what, and how well it
-/// fits.
-constexpr double kOffset = -3.0, kSlope = 6.0;
+/// What the evidence of one scan says of its place [nat]: linear about where right and wrong places are as
+/// common, and never more than a few nat, since a scan may be bad by itself. They are as common so far below
+/// what is typical of the drive, but not beyond what any place is worth.
+constexpr double kBelowTypical = 0.9, kEvenLeast = 0.7, kEvenMost = 1.5;
+constexpr double kSlope = 6.0, kMostPerScan = 4.0;
+/// Of the running mean of good evidence, per independent scan.
+constexpr double kTypicalRate = 0.02;
+constexpr double kAccepted = 1.0;  ///< [nat]
+/// What a place can earn and lose: it takes so many bad scans to doubt a good place, and good ones to trust a
+/// bad.
+constexpr double kMostFor = 7.0, kMostAgainst = -6.0;
+/// The running mean of the evidence, for people.
+constexpr double kSmoothing = 0.5;
 
 constexpr double kLost = 0.05, kFound = 0.5;  // apart, so that it does not flicker
 constexpr double kOnePlace = 0.8;             // share of the weight that is one place
@@ -20,27 +30,30 @@ const char* name_of(HealthState state) {
   return state == HealthState::tracking ? "tracking" : state == HealthState::ambiguous ? "ambiguous" : "lost";
 }
 
-void HealthMonitor::reset() {
+void HealthMonitor::reset(double log_odds) {
   *this = {};
+  log_odds_ = log_odds;
 }
 
-Health HealthMonitor::update(double stamp_s, double evidence, double share) {
-  const double since_s = stamp_s - last_s_;
-  const bool follows = seen_ && since_s > 0.0;  // stamps may run backwards
-  const double keep = follows ? static_cast<double>(portable_exp(static_cast<float>(-since_s / kMemory_s)))
-                      : seen_ ? 0.5
-                              : 0.0;
-  evidence_ = keep * evidence_ + (1.0 - keep) * evidence;
-  seen_ = true;
-  last_s_ = stamp_s;
+void HealthMonitor::accept() {
+  log_odds_ = std::max(log_odds_, kAccepted);
+  typical_ = std::min(typical_, std::max(evidence_, kEvenLeast + kBelowTypical));
+}
 
-  const double logit = kOffset + kSlope * evidence_;
-  const double fits = 1.0 / (1.0 + static_cast<double>(portable_exp(static_cast<float>(-logit))));
+Health HealthMonitor::update(const ScanFit& fit) {
+  evidence_ += (seen_ ? kSmoothing * fit.novelty : 1.0) * (fit.evidence - evidence_);
+  seen_ = true;
+  const double even = std::clamp(typical_ - kBelowTypical, kEvenLeast, kEvenMost);
+  const double says = std::clamp(kSlope * (fit.evidence - even), -kMostPerScan, kMostPerScan);
+  if (fit.evidence > even) typical_ += kTypicalRate * fit.novelty * (fit.evidence - typical_);
+  log_odds_ = std::clamp(log_odds_ + fit.novelty * says, kMostAgainst, kMostFor);
+
+  const double fits = 1.0 / (1.0 + static_cast<double>(portable_exp(static_cast<float>(-log_odds_))));
   lost_ = lost_ ? fits < kFound : fits < kLost;
-  const HealthState state = lost_               ? HealthState::lost
-                            : share < kOnePlace ? HealthState::ambiguous
-                                                : HealthState::tracking;
-  return {fits * share, evidence_, state};
+  const HealthState state = lost_                   ? HealthState::lost
+                            : fit.share < kOnePlace ? HealthState::ambiguous
+                                                    : HealthState::tracking;
+  return {fits * fit.share, evidence_, state};
 }
 
 }  // namespace parloc

@@ -16,21 +16,37 @@ struct Health {
   HealthState state = HealthState::lost;
 };
 
-/// Follows one filter. Deterministic on every machine.
+/// What one scan says of the place that is tracked.
+struct ScanFit {
+  double evidence = 0.0;  ///< At the estimated pose [nat per beam].
+  double share = 0.0;     ///< Weight of the particles around that pose, 0 to 1.
+  double novelty = 1.0;   ///< Of the scan (ScanNovelty).
+};
+
+/// Follows one filter: adds up what independent scans say for and against its place, whatever time they take.
+/// What a single scan can say is bounded, and so is what a place can earn: one that was right for long is not
+/// lost for a bad scan, and one that is wrong is lost after a few. Deterministic on every machine.
 class HealthMonitor {
  public:
-  /// Forgets what was seen: the filter starts anew.
-  void reset();
+  /// Forgets what was seen: the filter starts anew, at a place that is right with these odds [nat].
+  void reset(double log_odds = 0.0);
+  /// Where it is now fits best of all places: that it fits worse than before is the surroundings' doing.
+  void accept();
+  /// Evidence of a scan at a good place on this drive, with its people and its moved shelves [nat per beam].
+  double typical() const { return typical_; }
 
-  /// After a scan was weighed. `evidence` is that of the scan at the estimated pose, `share` the weight of
-  /// the particles around that pose, 0 to 1. The probability is that of the scans, calibrated
-  /// (docs/localize.md), times the share.
-  Health update(double stamp_s, double evidence, double share);
+  /// After a scan was weighed. The probability is that of the scans, calibrated (docs/localize.md), times the
+  /// share.
+  Health update(const ScanFit& fit);
 
  private:
+  /// Before anything was seen: that of a clean map.
+  static constexpr double kFirstTypical = 2.0;
+
   bool seen_ = false, lost_ = false;
-  double last_s_ = 0.0;
-  double evidence_ = 0.0;
+  double evidence_ = 0.0;  // smoothed
+  double log_odds_ = 0.0;  // of being right
+  double typical_ = kFirstTypical;
 };
 
 }  // namespace parloc

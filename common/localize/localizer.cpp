@@ -1,9 +1,12 @@
 #include "common/localize/localizer.h"
 
 #include <algorithm>
-#include <cmath>
+#include <limits>
 
 #include "common/localize/place_evidence.h"
+#include "common/localize/scan_novelty.h"
+#include "common/localize/slip_search.h"
+#include "common/math/portable64.h"
 #include "common/search/global_search.h"
 
 namespace parloc {
@@ -24,9 +27,43 @@ constexpr double kUnsettled = 0.7;
 /// A hypothesis this close to a mode is the same place.
 constexpr double kSame_m = 1.0, kSame_rad = 0.5;
 
+/// A start that was given is believed, about; a place that the search has chosen has to show itself.
+constexpr double kGivenLogOdds = 2.0, kFoundLogOdds = 0.5;
+
+/// Wheels slip about so often, by as much; the farther since all was well, the farther off it may be.
+constexpr double kSlipsPer_s = 1.0 / 60.0, kLeastSlipOdds = 0.002, kMostSlipOdds = 0.2;
+constexpr double kSlipSigma_m = 0.3, kSlipSigma_rad = 0.2;
+constexpr double kSlipGrowth_m = 0.05, kSlipGrowth_rad = 0.02;  ///< Per metre since all was well.
+constexpr double kReachSigmas = 3.5;                            ///< How far is looked.
+constexpr double kSlipShare = 0.25;  ///< Of the particles, for what is found there.
+
+/// Work of a slice of the search (search_work.h): a few milliseconds.
+constexpr std::int64_t kSlice = 2'000'000;
+constexpr std::int64_t kAllWork = std::numeric_limits<std::int64_t>::max();
+constexpr double kSearchEvery_s = 2.0;  ///< Or sooner, if it has moved.
+/// Scans that must speak for another place besides the one that it was found by.
+constexpr std::size_t kOwnScans = 2;
+/// A carrying away is looked for this far back.
+constexpr double kLookBack_s = 10.0;
+/// Rivals that have not been decided on for so far are given up, and looked for anew.
+constexpr double kUndecided_m = 4.0;
+
 bool same_place(const Pose& a, const Pose& b) {
   return distance_m(a, b) < kSame_m && turn_rad(a, b) < kSame_rad;
 }
+
+/// What is known at a step before its scan is weighed.
+struct Now {
+  Pose odometry;
+  double elapsed_s;
+  const BeamTable& beams;
+};
+
+/// A place where the robot may have been carried to, while it is tracked where it was.
+struct Rival {
+  Pose pose;              ///< Where the robot would be by the odometry now.
+  double log_odds = 0.0;  ///< Against the place that is tracked, before the price of having been carried.
+};
 
 }  // namespace
 
@@ -35,74 +72,106 @@ struct Localizer::State {
       : config(c), filter(c, map), judge(map, c.search.effective_beams) {}
 
   void begin(bool is_lost, bool is_settled, const SearchPrior& known);
+  GlobalSearch& whole_map();
+  SlipSearch& near_by();
   std::vector<Mode> modes_at(const Pose& odometry) const;
-  bool search_is_due(const Pose& odometry, double stamp_s) const;
-  std::vector<Hypothesis> search_map(const Pose& odometry, const BeamTable& beams, LocalizerEstimate& out);
-  void look_everywhere(const Pose& odometry, const BeamTable& beams, LocalizerEstimate& out);
-  void look_for_others(const Pose& odometry, const BeamTable& beams, LocalizerEstimate& out);
-  void drop_refuted(const Pose& odometry, const BeamTable& beams);
-  bool fits_again(const Pose& odometry, const BeamTable& beams);
-  void settle(const Pose& odometry, const Scan& scan, LocalizerEstimate& out);
-  void watch(const Pose& odometry, double stamp_s, LocalizerEstimate& out);
+  bool search_is_due(const Pose& odometry) const;
+  void start_search(const Now& now);
+  void go_on_searching(const Now& now, LocalizerEstimate& out);
+  std::vector<Hypothesis> found_now(const Now& now, LocalizerEstimate& out);
+  void put_at(std::vector<Hypothesis> found, const Now& now);
+  void look_for_others(const std::vector<Hypothesis>& found, const Now& now);
+  void weigh_rivals(const Now& now);
+  void drop_refuted(const Now& now);
+  bool fits_again(const Now& now);
+  void look_for_slips(const Now& now);
+  void settle(const Now& now, LocalizerEstimate& out);
+  void watch(const Now& now, LocalizerEstimate& out);
 
   LocalizerConfig config;
   ParticleFilter filter;
   std::unique_ptr<GlobalSearch> search;  // made when there is something to search
+  std::unique_ptr<SlipSearch> slips;     // likewise
   PlaceEvidence judge;                   // remembers scans from where the doubt began
   SearchPrior prior;
   HealthMonitor monitor;
-  bool placed = false;       // it was told or has found where it may be, since the start
-  bool lost = true;          // search at the next scan
-  bool was_settled = false;  // until it was lost; no search has found another place since
-  bool settled = false;      // else there may be other places, as good as the filter's
-  std::optional<double> searched_s, lost_since_s;
-  Pose searched_odometry;
+  ScanNovelty novelty;
+  bool placed = false;                    // it was told or has found where it may be, since the start
+  bool lost = true;                       // search
+  bool was_settled = false;               // until it was lost; no search has found another place since
+  bool settled = false;                   // else there may be other places, as good as the filter's
+  std::optional<Pose> searched_odometry;  // where the last search began
+  double since_search_s = 0.0;
+  std::vector<Rival> rivals;
+  Pose rivals_odometry, rivals_found;  // that their poses are of; that they were found at
+  std::size_t rival_scans = 0, candidates = 0;
   std::size_t searches = 0;
+  std::optional<Pose> tracked;  // the heaviest cluster, after the last step that was weighed
+  double since_well_m = 0.0;
   Health last;
 };
 
 void Localizer::State::begin(bool is_lost, bool is_settled, const SearchPrior& known) {
-  monitor.reset();
+  monitor.reset(is_lost ? kFoundLogOdds : kGivenLogOdds);
+  novelty.clear();
   judge.forget();
+  if (search) search->cancel();
   prior = known;
   placed = !is_lost;
   lost = is_lost;
   settled = is_settled;
   was_settled = false;
-  searched_s.reset();
-  lost_since_s.reset();
+  searched_odometry.reset();
+  rivals.clear();
   searches = 0;
+  tracked.reset();
+  since_well_m = 0.0;
   last = {};
 }
 
-bool Localizer::State::search_is_due(const Pose& odometry, double stamp_s) const {
-  // With several guesses a scan is weighed before anything else is looked for.
-  if (settled || (!lost && !filter.odometry())) return false;
-  if (!config.localize.recover && placed) return false;
-  if (lost && placed && lost_since_s && std::fabs(stamp_s - *lost_since_s) < config.localize.search_after_s)
-    return false;
-  if (!searched_s) return true;
-  if (std::fabs(stamp_s - *searched_s) < config.localize.search_every_s) return false;
-  return lost || distance_m(odometry, searched_odometry) >= config.localize.search_every_m ||
-         turn_rad(odometry, searched_odometry) >= config.localize.search_every_rad;
+GlobalSearch& Localizer::State::whole_map() {
+  if (!search) search = std::make_unique<GlobalSearch>(filter.map(), config.search, config);
+  return *search;
 }
 
-/// Every place where this scan may have been taken, weighed by what is remembered, the most likely first.
-std::vector<Hypothesis> Localizer::State::search_map(const Pose& odometry, const BeamTable& beams,
-                                                     LocalizerEstimate& out) {
-  if (!search) search = std::make_unique<GlobalSearch>(filter.map(), config.search, config);
-  std::vector<Hypothesis> found = search->search(beams, prior).hypotheses;
+SlipSearch& Localizer::State::near_by() {
+  if (!slips) slips = std::make_unique<SlipSearch>(filter.map(), config.search, config, &whole_map());
+  return *slips;
+}
+
+bool Localizer::State::search_is_due(const Pose& odometry) const {
+  // With several guesses a scan is weighed before anything else is looked for.
+  if (settled || (!lost && !filter.odometry())) return false;
+  if (placed && (!config.localize.recover || !rivals.empty())) return false;
+  return !searched_odometry || since_search_s >= kSearchEvery_s ||
+         distance_m(odometry, *searched_odometry) >= config.localize.search_every_m ||
+         turn_rad(odometry, *searched_odometry) >= config.localize.search_every_rad;
+}
+
+void Localizer::State::start_search(const Now& now) {
+  whole_map().begin(now.beams, prior);
+  searched_odometry = now.odometry;
+  since_search_s = 0.0;
   ++searches;
+}
+
+/// Every place where the scan of the search may have been taken, moved to now and weighed by what is
+/// remembered, the most likely first.
+std::vector<Hypothesis> Localizer::State::found_now(const Now& now, LocalizerEstimate& out) {
+  SearchResult result = search->result();
+  std::vector<Hypothesis>& found = result.hypotheses;
+  candidates = result.candidates;
   out.searched = true;
   out.found = found.size();
+  const Pose moved_since = relative(now.odometry, *searched_odometry);
   std::vector<Pose> places;
-  for (const Hypothesis& h : found) places.push_back(h.pose);
-  const std::vector<PlaceEvidence::Verdict> verdicts = judge.judge(places, odometry, beams);
+  for (Hypothesis& h : found) places.push_back(h.pose = compose(h.pose, moved_since));
+  const std::vector<PlaceEvidence::Verdict> verdicts = judge.judge(places, now.odometry, now.beams);
   for (std::size_t k = 0; k < found.size(); ++k)
     found[k].evidence = verdicts[k].evidence, found[k].weight = verdicts[k].share;
   std::stable_sort(found.begin(), found.end(),
                    [](const Hypothesis& a, const Hypothesis& b) { return a.weight > b.weight; });
-  return found;
+  return std::move(found);
 }
 
 /// What the filter stands for, moved to where the robot is by the odometry.
@@ -113,11 +182,9 @@ std::vector<Mode> Localizer::State::modes_at(const Pose& odometry) const {
   return modes;
 }
 
-/// Puts the particles where the scan may have been taken. Leaves them where they are if it fits nowhere well:
-/// then it may be the scan that is bad. Some stay where they are in any case, if that was a place.
-void Localizer::State::look_everywhere(const Pose& odometry, const BeamTable& beams, LocalizerEstimate& out) {
-  std::vector<Hypothesis> found = search_map(odometry, beams, out);
-  if (found.empty() || (placed && found[0].evidence < kFits)) return;
+/// Puts the particles where the scans say that the robot may be. Some stay where they are, if that was a
+/// place.
+void Localizer::State::put_at(std::vector<Hypothesis> found, const Now& now) {
   settled = found[0].weight >= kNoDoubt;
   if (settled) found.resize(1);
   const double equal = 1.0 / static_cast<double>(found.size());
@@ -125,92 +192,178 @@ void Localizer::State::look_everywhere(const Pose& odometry, const BeamTable& be
   for (const Hypothesis& h : found)
     guesses.push_back({h.pose, kFoundSigma_m, kFoundSigma_rad, std::max(h.weight, kLeastShare * equal)});
   if (placed && filter.odometry()) {
-    for (const Mode& mode : modes_at(odometry)) {
+    for (const Mode& mode : modes_at(now.odometry)) {
       const auto again = [&](const Hypothesis& h) { return same_place(mode.pose, h.pose); };
       if (std::any_of(found.begin(), found.end(), again)) continue;
       guesses.push_back({mode.pose, kModeSigma_m, kModeSigma_rad, kLeastShare * mode.weight});
       settled = false;
     }
   }
-  filter.relocate(guesses, odometry);
+  filter.relocate(guesses, now.odometry);
   was_settled = false;
-  monitor.reset();
+  monitor.reset(kFoundLogOdds);
+  tracked.reset();
+  rivals.clear();
   placed = true;
   lost = false;
 }
 
-/// Whether another place explains this scan, too. If so, it gets its share of the particles; if not, and the
-/// filter has made up its mind, that is settled.
-void Localizer::State::look_for_others(const Pose& odometry, const BeamTable& beams, LocalizerEstimate& out) {
-  const std::vector<Mode> modes = modes_at(odometry);
+/// Whether another place explains the scan of the search, too. If so, it gets its share of the particles; if
+/// not, and the filter has made up its mind, that is settled.
+void Localizer::State::look_for_others(const std::vector<Hypothesis>& found, const Now& now) {
+  const std::vector<Mode> modes = modes_at(now.odometry);
   std::vector<PoseGuess> others;
   double elsewhere = 0.0;
-  for (const Hypothesis& h : search_map(odometry, beams, out)) {
+  for (const Hypothesis& h : found) {
     const auto known = [&](const Mode& mode) { return same_place(mode.pose, h.pose); };
     if (h.weight < kNoMatter || std::any_of(modes.begin(), modes.end(), known)) continue;
     others.push_back({h.pose, kFoundSigma_m, kFoundSigma_rad, h.weight});
     elsewhere += h.weight;
   }
   if (others.empty()) {
-    settled = out.found > 0 && !modes.empty() && modes[0].weight >= 1.0 - kNoMatter;
+    settled = !found.empty() && !modes.empty() && modes[0].weight >= 1.0 - kNoMatter;
     return;
   }
   for (const Mode& mode : modes)
     others.push_back({mode.pose, kModeSigma_m, kModeSigma_rad, (1.0 - elsewhere) * mode.weight + 1e-6});
-  filter.relocate(others, odometry);
+  filter.relocate(others, now.odometry);
+  tracked.reset();
+}
+
+/// A slice of the search that is under way, if there is one, and what follows from what it has found.
+void Localizer::State::go_on_searching(const Now& now, LocalizerEstimate& out) {
+  if (!search || !search->under_way()) return;
+  if (!search->advance(placed ? kSlice : kAllWork)) return;
+  std::vector<Hypothesis> found = found_now(now, out);
+  if (!placed) {
+    if (!found.empty()) put_at(std::move(found), now);
+  } else if (!lost) {
+    if (!settled) look_for_others(found, now);
+  } else {
+    rivals.clear();
+    const auto here = [&](const Hypothesis& h) {
+      return tracked && same_place(h.pose, compose(*tracked, relative(now.odometry, *filter.odometry())));
+    };
+    if (!found.empty() && found[0].evidence >= kFits && here(found[0])) return monitor.accept();
+    for (const Hypothesis& h : found)
+      if (h.weight >= kNoMatter && h.evidence >= kFits) rivals.push_back({h.pose});
+    rivals_odometry = rivals_found = now.odometry;
+    rival_scans = 0;
+  }
+}
+
+/// To have been carried away has a price: it is rare, and of many places one will always look well. The scans
+/// since must pay it, those that found the place and at least kOwnScans more.
+void Localizer::State::weigh_rivals(const Now& now) {
+  if (rivals.empty()) return;
+  if (!lost || distance_m(rivals_found, now.odometry) > kUndecided_m) return rivals.clear();
+  const Pose moved = relative(now.odometry, rivals_odometry);
+  rivals_odometry = now.odometry;
+  for (Rival& rival : rivals) rival.pose = compose(rival.pose, moved);
+  if (!judge.remember(now.odometry, now.beams)) return;
+  ++rival_scans;
+  std::vector<Mode> modes = modes_at(now.odometry);
+  std::vector<Pose> places;
+  for (Rival& rival : rivals) {
+    if (const auto better = near_by().look(now.beams, rival.pose, {0.2, 0.1})) rival.pose = better->pose;
+    places.push_back(rival.pose);
+  }
+  for (const Mode& mode : modes) places.push_back(mode.pose);
+  const std::vector<PlaceEvidence::Verdict> verdicts = judge.judge(places, now.odometry, now.beams);
+  double here = -std::numeric_limits<double>::infinity();
+  for (std::size_t k = rivals.size(); k < places.size(); ++k) here = std::max(here, verdicts[k].evidence);
+  const double price = portable_log64(3600.0 / (config.localize.carried_per_hour * kLookBack_s)) +
+                       portable_log64(1.0 + static_cast<double>(candidates));
+  std::vector<Hypothesis> paid;
+  double best = 0.0;
+  for (std::size_t k = 0; k < rivals.size(); ++k) {
+    rivals[k].log_odds = judge.worth() * (verdicts[k].evidence - here);
+    best = std::max(best, verdicts[k].share);
+  }
+  for (std::size_t k = 0; k < rivals.size(); ++k) {
+    if (rivals[k].log_odds < price || verdicts[k].evidence < kFits || verdicts[k].share < kNoMatter * best)
+      continue;
+    Hypothesis h;
+    h.pose = rivals[k].pose, h.evidence = verdicts[k].evidence, h.weight = verdicts[k].share;
+    paid.push_back(h);
+  }
+  std::stable_sort(paid.begin(), paid.end(),
+                   [](const Hypothesis& a, const Hypothesis& b) { return a.weight > b.weight; });
+  if (rival_scans >= kOwnScans && !paid.empty()) put_at(std::move(paid), now);
 }
 
 /// Of several places, those that the walls speak against lose their particles, before the scan is weighed:
 /// the filter's model may see where the beams end only, and not what they went through.
-void Localizer::State::drop_refuted(const Pose& odometry, const BeamTable& beams) {
-  const std::vector<Mode> modes = modes_at(odometry);
-  if (modes.size() < 2 || beams.count == 0) return;
+void Localizer::State::drop_refuted(const Now& now) {
+  const std::vector<Mode> modes = modes_at(now.odometry);
+  if (modes.size() < 2 || now.beams.count == 0) return;
   std::vector<Pose> places;
   for (const Mode& mode : modes) places.push_back(mode.pose);
-  const std::vector<PlaceEvidence::Verdict> verdicts = judge.judge(places, odometry, beams);
+  const std::vector<PlaceEvidence::Verdict> verdicts = judge.judge(places, now.odometry, now.beams);
   double best = 0.0;
   for (const PlaceEvidence::Verdict& v : verdicts) best = std::max(best, v.share);
   std::vector<PoseGuess> left;
   for (std::size_t k = 0; k < modes.size(); ++k)
     if (verdicts[k].share >= kNoMatter * best)
       left.push_back({modes[k].pose, kModeSigma_m, kModeSigma_rad, modes[k].weight});
-  if (left.size() < modes.size()) filter.relocate(left, odometry);
+  if (left.size() == modes.size()) return;
+  filter.relocate(left, now.odometry);
+  tracked.reset();
 }
 
 /// Whether the scan speaks for the place where it was before it was lost.
-bool Localizer::State::fits_again(const Pose& odometry, const BeamTable& beams) {
+bool Localizer::State::fits_again(const Now& now) {
   if (!was_settled || !filter.odometry()) return false;
-  const std::vector<Mode> modes = modes_at(odometry);
-  return !modes.empty() && judge.evidence(beams, modes[0].pose) >= kFits;
+  const std::vector<Mode> modes = modes_at(now.odometry);
+  return !modes.empty() && judge.evidence(now.beams, modes[0].pose) >= kFits;
+}
+
+/// If the scan fits the prediction badly, the wheels may have slipped: what explains it near by is proposed
+/// to the filter, whose weights then decide.
+void Localizer::State::look_for_slips(const Now& now) {
+  if (!config.localize.slips || !tracked || !filter.odometry() || now.beams.hits == 0) return;
+  const Pose motion = relative(now.odometry, *filter.odometry());
+  const Pose expected = compose(*tracked, motion);
+  const double worth = config.search.effective_beams;
+  const double odds = std::clamp(now.elapsed_s * kSlipsPer_s, kLeastSlipOdds, kMostSlipOdds);
+  const double here = judge.evidence(now.beams, expected);
+  if (worth * (monitor.typical() - here) < -portable_log64(odds)) return;
+  const double sigma_m = kSlipSigma_m + kSlipGrowth_m * since_well_m;
+  const double sigma_rad = kSlipSigma_rad + kSlipGrowth_rad * since_well_m;
+  const auto found = near_by().look(now.beams, expected, {kReachSigmas * sigma_m, kReachSigmas * sigma_rad});
+  if (!found || worth * (found->evidence - here) < -portable_log64(odds)) return;
+  const Pose back = inverse(motion);
+  filter.propose({compose(found->pose, back), kModeSigma_m, kModeSigma_rad}, kSlipShare,
+                 {*tracked, sigma_m, sigma_rad, odds});
 }
 
 /// Before a scan is weighed: whether there are other places where the robot may be.
-void Localizer::State::settle(const Pose& odometry, const Scan& scan, LocalizerEstimate& out) {
-  const bool search_now = search_is_due(odometry, scan.stamp_s);
-  if (!search_now && (settled || lost || !config.localize.recover || !filter.odometry())) return;
-  const BeamTable beams = filter.beams(scan);
-  if (!search_now) return drop_refuted(odometry, beams);
-  if (lost && fits_again(odometry, beams)) return;
-  searched_s = scan.stamp_s;
-  searched_odometry = odometry;
-  lost ? look_everywhere(odometry, beams, out) : look_for_others(odometry, beams, out);
+void Localizer::State::settle(const Now& now, LocalizerEstimate& out) {
+  since_search_s += now.elapsed_s;
+  const bool under_way = search && search->under_way();
+  if (!under_way && search_is_due(now.odometry) && !(lost && fits_again(now))) start_search(now);
+  go_on_searching(now, out);
+  weigh_rivals(now);
+  if (!settled && !lost && config.localize.recover && filter.odometry()) drop_refuted(now);
 }
 
 /// Health of the estimate, after a scan was weighed.
-void Localizer::State::watch(const Pose& odometry, double stamp_s, LocalizerEstimate& out) {
+void Localizer::State::watch(const Now& now, LocalizerEstimate& out) {
   const PoseEstimate& heaviest = out.filter.cluster;
-  last = monitor.update(stamp_s, judge.evidence(filter.last_beams(), heaviest.mean), heaviest.weight);
+  const BeamTable& beams = filter.last_beams();
+  const double novel = novelty.add(now.odometry, now.elapsed_s, beams);
+  const double evidence = judge.evidence(beams, heaviest.mean);
+  last = monitor.update({evidence, heaviest.weight, novel});
+  const double moved_m = tracked ? distance_m(*tracked, heaviest.mean) : 0.0;
+  tracked = heaviest.mean;
+  since_well_m = evidence >= kFits ? 0.0 : since_well_m + moved_m;
   const bool was_lost = lost;
   lost = last.state == HealthState::lost;
   if (lost && settled) settled = false, was_settled = true;
   if (!lost && was_settled) settled = true, was_settled = false;  // some bad scans, and it fits again
-  if (!lost) {
-    lost_since_s.reset();
-  } else if (!lost_since_s) {
-    lost_since_s = stamp_s;
-  }
+  if (!lost) rivals.clear();
   if (settled || (lost && !was_lost)) judge.forget();  // it may have been put somewhere else
-  if (!settled) judge.remember(odometry, filter.last_beams());
+  if (!settled && rivals.empty()) judge.remember(now.odometry, beams);
   if (settled || !config.localize.recover) return;
   last.probability *= kUnsettled;
   if (last.state == HealthState::tracking) last.state = HealthState::ambiguous;
@@ -248,17 +401,20 @@ void Localizer::add_odometry(double stamp_s, const Pose& odometry) {
   state_->filter.add_odometry(stamp_s, odometry);
 }
 
-LocalizerEstimate Localizer::step(const Pose& odometry, const Scan& scan) {
+LocalizerEstimate Localizer::step(const Pose& recorded, const Scan& scan) {
   State& s = *state_;
   LocalizerEstimate out;
-  if (!is_finite(odometry)) {  // nothing moves, nothing is learnt
-    out.filter = s.filter.step(odometry, scan);
-    out.health = s.last;
-    return out;
+  const std::optional<OdometryReading> reading = s.filter.prepare_odometry(scan.stamp_s, recorded);
+  if (reading && s.filter.counts(reading->pose, scan)) {
+    const BeamTable beams = s.filter.beams(scan);
+    const Now now{reading->pose, reading->elapsed_s, beams};
+    s.settle(now, out);
+    if (!s.lost || s.placed) s.look_for_slips(now);
+    out.filter = s.filter.step(recorded, scan);
+    if (out.filter.weighted) s.watch(now, out);
+  } else {
+    out.filter = s.filter.step(recorded, scan);  // nothing moves, nothing is learnt
   }
-  s.settle(odometry, scan, out);
-  out.filter = s.filter.step(odometry, scan);
-  if (out.filter.weighted) s.watch(odometry, scan.stamp_s, out);
   out.health = s.last;
   if (out.health.state == HealthState::ambiguous) out.modes = find_modes(s.filter.particles(), kLeastMode);
   return out;

@@ -8,11 +8,11 @@ namespace parloc {
 
 struct LocalizeConfig {
   bool health = true;  ///< Judge every estimate. Without it there is no search either.
-  bool recover =
-      true;  ///< Search the map when lost, and for rivals while it is not sure. Else it only says so.
-  double search_after_s = 1.0;  ///< Lost for so long: fewer bad scans pass by themselves.
-  double search_every_s = 0.5;  ///< Between two searches at least.
-  double search_every_m = 0.3, search_every_rad = 0.3;  ///< And this much of moving, while it is not lost.
+  bool slips = true;   ///< Look around the prediction when the scan does not fit it: wheels slip.
+  /// Search the map when lost, and for rivals while it is not sure. Else it only says so.
+  bool recover = true;
+  double carried_per_hour = 1.0;  ///< How often somebody carries the robot away: what it takes to believe it.
+  double search_every_m = 0.3, search_every_rad = 0.3;  ///< Of moving between two searches for rivals.
 };
 
 struct LocalizerConfig : FilterConfig {

@@ -22,10 +22,17 @@ void PlaceEvidence::forget() {
   scans_.clear();
 }
 
-void PlaceEvidence::remember(const Pose& odometry, const BeamTable& beams) {
-  if (beams.count == 0 || (!scans_.empty() && !separated(odometry, scans_.back().odometry, kApart))) return;
+bool PlaceEvidence::remember(const Pose& odometry, const BeamTable& beams) {
+  if (beams.count == 0 || (!scans_.empty() && !separated(odometry, scans_.back().odometry, kApart)))
+    return false;
   if (scans_.size() == kMost) scans_.erase(scans_.begin());
   scans_.push_back({odometry, beams});
+  return true;
+}
+
+/// Scans of one neighbourhood see much the same: n of them are worth sqrt(n).
+double PlaceEvidence::worth() const {
+  return effective_beams_ * std::sqrt(static_cast<double>(scans_.size() + 1));
 }
 
 double PlaceEvidence::evidence(const BeamTable& beams, const Pose& pose_in_map) {
@@ -44,10 +51,8 @@ std::vector<PlaceEvidence::Verdict> PlaceEvidence::judge(const std::vector<Pose>
   }
   double best = verdicts.empty() ? 0.0 : verdicts[0].evidence, total = 0.0;
   for (const Verdict& v : verdicts) best = std::max(best, v.evidence);
-  // Scans of one neighbourhood see much the same: n of them are worth sqrt(n).
-  const double worth = effective_beams_ * std::sqrt(scans);
   for (Verdict& v : verdicts) {
-    v.share = portable_exp(static_cast<float>(worth * (v.evidence - best)));
+    v.share = portable_exp(static_cast<float>(worth() * (v.evidence - best)));
     total += v.share;
   }
   for (Verdict& v : verdicts) v.share /= total;

@@ -21,8 +21,12 @@ class PlaceEvidence {
   PlaceEvidence(const GridMap& map, double effective_beams);
 
   void forget();
-  /// Takes the scan if the robot has moved enough since the last that was taken; forgets the oldest.
-  void remember(const Pose& odometry, const BeamTable& beams);
+  std::size_t remembered() const { return scans_.size(); }
+  /// Independent beams that the verdicts of now rest on: differences of evidence times this are log-odds.
+  double worth() const;
+  /// Whether it was taken: takes the scan if the robot has moved enough since the last that was taken;
+  /// forgets the oldest.
+  bool remember(const Pose& odometry, const BeamTable& beams);
 
   /// Evidence of one scan for a pose in the map frame [nat per beam].
   double evidence(const BeamTable& beams, const Pose& pose_in_map);

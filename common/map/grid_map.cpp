@@ -51,6 +51,13 @@ Cell GridMap::at_point(double x_m, double y_m) const {
   return at(static_cast<std::int32_t>(i), static_cast<std::int32_t>(j));
 }
 
+std::vector<std::uint8_t> blocking_cells(const GridMap& map, bool unknown_blocks) {
+  std::vector<std::uint8_t> blocks(map.size());
+  for (std::size_t c = 0; c < blocks.size(); ++c)
+    blocks[c] = map.cells[c] == Cell::occupied || (unknown_blocks && map.cells[c] == Cell::unknown) ? 1 : 0;
+  return blocks;
+}
+
 GridMap grid_from_text(const std::vector<std::string>& rows, double resolution_m, const Pose& T_map_grid) {
   check_size(rows);
   if (!(std::isfinite(resolution_m) && resolution_m > 0.0)) {

@@ -6,10 +6,15 @@
 #include <string>
 #include <vector>
 
-#include "common/map/grid_wall.h"
 #include "common/math/pose.h"
 
 namespace parloc {
+
+/// A straight piece of wall, from a to b in the grid frame of its map [m]. Closed: a ray that meets an end
+/// point is stopped.
+struct GridWall {
+  float ax, ay, bx, by;
+};
 
 enum class Cell : std::uint8_t { free = 0, occupied = 1, unknown = 2 };
 
@@ -28,14 +33,20 @@ struct GridMap {
 
   std::size_t size() const { return cells.size(); }
   bool contains(std::int32_t i, std::int32_t j) const { return i >= 0 && j >= 0 && i < width && j < height; }
+  /// Place of a cell of the grid.
+  std::size_t index(std::int32_t i, std::int32_t j) const {
+    return static_cast<std::size_t>(j) * static_cast<std::size_t>(width) + static_cast<std::size_t>(i);
+  }
   Cell at(std::int32_t i, std::int32_t j) const {
-    return contains(i, j) ? cells[static_cast<std::size_t>(j) * static_cast<std::size_t>(width) +
-                                  static_cast<std::size_t>(i)]
-                          : Cell::unknown;
+    return contains(i, j) ? cells[index(i, j)] : Cell::unknown;
   }
   /// The cell that a point of the map frame lies in (floor, so cell -1 is not mirrored onto cell 0).
   Cell at_point(double x_m, double y_m) const;
 };
+
+/// Which cells end a ray, and which are the walls that a distance is measured to: 1 for an occupied cell, and
+/// for an unknown one if unknown_blocks; else 0.
+std::vector<std::uint8_t> blocking_cells(const GridMap& map, bool unknown_blocks);
 
 /// A grid from rows of text, top row first: '#' occupied, '.' or ' ' free, '?' unknown. For tests and
 /// examples. Throws Error{input} if rows differ in length.

@@ -138,10 +138,6 @@ void check_writable(const std::string& yaml_path, const fs::path& image_path, co
 
 }  // namespace
 
-GreyImage read_image(const std::string& path) {
-  return image_from_bytes(read_input_file(path, path), path);
-}
-
 GridMap read_map(const std::string& path) {
   const std::string text = read_input_file(path, path, kLongestSegmentFile + 1);
   if (!is_segment_text(text, path)) return image_map(text, path);

@@ -25,9 +25,7 @@ struct GreyImage {
 /// walls too.
 GridMap read_map(const std::string& path);
 
-/// Reads P2 and P5 PGM with any maxval up to 65535, or PNG of any depth and colour type, told apart by
-/// content.
-GreyImage read_image(const std::string& path);
+/// Reads P2 and P5 PGM with any maxval up to 65535, or PNG of any depth and colour type.
 GreyImage read_pgm(const std::uint8_t* data, std::size_t size, const std::string& name);
 GreyImage read_png(const std::uint8_t* data, std::size_t size, const std::string& name);
 

@@ -8,6 +8,8 @@
 #include <cstdio>
 #include <cstring>
 #include <string>
+#include <utility>
+#include <vector>
 
 #include "common/error.h"
 #include "common/map/map_limits.h"
@@ -62,7 +64,7 @@ bool attempt(Decoder& decoder, const Calls& calls) {
 struct Layout {
   png_uint_32 width, height;
   std::size_t channels;  // grey, grey + alpha, RGB or RGBA
-  bool interlaced;
+  std::size_t pixels() const { return std::size_t{width} * height; }
   bool has_alpha() const { return channels == 2 || channels == 4; }
 };
 
@@ -105,9 +107,9 @@ bool expand_to_8_bits(Decoder& decoder, Layout& layout) {
   return attempt(decoder, [&](png_structp png, png_infop info) {
     png_set_expand(png);
     png_set_scale_16(png);
+    png_set_interlace_handling(png);
     png_read_update_info(png, info);
-    layout = {png_get_image_width(png, info), png_get_image_height(png, info), png_get_channels(png, info),
-              png_get_interlace_type(png, info) != PNG_INTERLACE_NONE};
+    layout = {png_get_image_width(png, info), png_get_image_height(png, info), png_get_channels(png, info)};
   });
 }
 
@@ -115,36 +117,16 @@ std::uint8_t mean_colour(const std::uint8_t* pixel, std::size_t channels) {
   return channels < 3 ? pixel[0] : static_cast<std::uint8_t>((pixel[0] + pixel[1] + pixel[2] + 1) / 3);
 }
 
-/// Reads `columns` pixels as one row of libpng's output; they lie `step` apart in the image, from pixel `at`
-/// on.
-bool read_row(Decoder& decoder, const Layout& layout, std::vector<std::uint8_t>& row, std::size_t at,
-              std::size_t columns, std::size_t step, GreyImage& image) {
-  if (!attempt(decoder, [&](png_structp png, png_infop) { png_read_row(png, row.data(), nullptr); }))
-    return false;
-  for (std::size_t k = 0; k < columns; ++k) {
-    const std::uint8_t* pixel = row.data() + k * layout.channels;
-    image.pixels[at + k * step] = mean_colour(pixel, layout.channels);
-    if (layout.has_alpha()) image.alpha[at + k * step] = pixel[layout.channels - 1];
-  }
-  return true;
-}
-
-/// An interlaced image comes as seven smaller ones (Adam7), each with rows and columns of its own.
-bool read_pixels(Decoder& decoder, const Layout& layout, GreyImage& image) {
-  std::vector<std::uint8_t> row(png_get_rowbytes(decoder.png, decoder.info));
-  const int passes = layout.interlaced ? PNG_INTERLACE_ADAM7_PASSES : 1;
-  for (int pass = 0; pass < passes; ++pass) {
-    const png_uint_32 rows = layout.interlaced ? PNG_PASS_ROWS(layout.height, pass) : layout.height;
-    const png_uint_32 columns = layout.interlaced ? PNG_PASS_COLS(layout.width, pass) : layout.width;
-    const std::size_t first = layout.interlaced ? PNG_PASS_START_COL(pass) : 0;
-    const std::size_t step = layout.interlaced ? PNG_PASS_COL_OFFSET(pass) : 1;
-    for (png_uint_32 r = 0; columns > 0 && r < rows; ++r) {
-      const std::size_t image_row = layout.interlaced ? PNG_ROW_FROM_PASS_ROW(r, pass) : r;
-      if (!read_row(decoder, layout, row, image_row * layout.width + first, columns, step, image))
-        return false;
-    }
-  }
-  return attempt(decoder, [](png_structp png, png_infop) { png_read_end(png, nullptr); });
+/// All rows, one after the other, interlaced or not.
+bool read_rows(Decoder& decoder, const Layout& layout, std::vector<std::uint8_t>& bytes) {
+  const std::size_t row_bytes = png_get_rowbytes(decoder.png, decoder.info);
+  bytes.resize(row_bytes * layout.height);
+  std::vector<png_bytep> rows(layout.height);
+  for (std::size_t r = 0; r < rows.size(); ++r) rows[r] = bytes.data() + r * row_bytes;
+  return attempt(decoder, [&](png_structp png, png_infop) {
+    png_read_image(png, rows.data());
+    png_read_end(png, nullptr);
+  });
 }
 
 }  // namespace
@@ -156,13 +138,20 @@ GreyImage read_png(const std::uint8_t* data, std::size_t size, const std::string
   check_size(decoder, size, name);
   Layout layout{};
   if (!expand_to_8_bits(decoder, layout)) throw corrupt();
-  GreyImage image;
-  image.width = static_cast<std::int32_t>(layout.width);
-  image.height = static_cast<std::int32_t>(layout.height);
-  const std::size_t pixels = static_cast<std::size_t>(layout.width) * static_cast<std::size_t>(layout.height);
-  image.pixels.resize(pixels);
-  if (layout.has_alpha()) image.alpha.resize(pixels);
-  if (!read_pixels(decoder, layout, image)) throw corrupt();
+  std::vector<std::uint8_t> bytes;
+  if (!read_rows(decoder, layout, bytes)) throw corrupt();
+  GreyImage image{static_cast<std::int32_t>(layout.width), static_cast<std::int32_t>(layout.height), {}, {}};
+  if (layout.channels == 1) {
+    image.pixels = std::move(bytes);
+    return image;
+  }
+  image.pixels.resize(layout.pixels());
+  if (layout.has_alpha()) image.alpha.resize(layout.pixels());
+  for (std::size_t k = 0; k < layout.pixels(); ++k) {
+    const std::uint8_t* pixel = bytes.data() + k * layout.channels;
+    image.pixels[k] = mean_colour(pixel, layout.channels);
+    if (layout.has_alpha()) image.alpha[k] = pixel[layout.channels - 1];
+  }
   return image;
 }
 

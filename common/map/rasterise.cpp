@@ -11,10 +11,7 @@ namespace {
 /// Turns the free cells that are connected to cell (0, 0) by their sides into unknown ones, a run of a row at
 /// a time.
 void flood_outside(GridMap& map) {
-  const auto cell = [&](std::int32_t i, std::int32_t j) -> Cell& {
-    return map.cells[static_cast<std::size_t>(j) * static_cast<std::size_t>(map.width) +
-                     static_cast<std::size_t>(i)];
-  };
+  const auto cell = [&](std::int32_t i, std::int32_t j) -> Cell& { return map.cells[map.index(i, j)]; };
   std::vector<std::pair<std::int32_t, std::int32_t>> starts{{0, 0}};
   while (!starts.empty()) {
     const auto [start_i, j] = starts.back();
@@ -67,10 +64,8 @@ bool fills(const CellBox& enclosed, const CellBox& walls) {
 bool rasterise_walls(GridMap& map) {
   map.cells.assign(static_cast<std::size_t>(map.width) * static_cast<std::size_t>(map.height), Cell::free);
   for (const GridWall& wall : map.walls) {
-    for_each_touched_cell(map, wall, [&](std::int32_t i, std::int32_t j) {
-      map.cells[static_cast<std::size_t>(j) * static_cast<std::size_t>(map.width) +
-                static_cast<std::size_t>(i)] = Cell::occupied;
-    });
+    for_each_touched_cell(
+        map, wall, [&](std::int32_t i, std::int32_t j) { map.cells[map.index(i, j)] = Cell::occupied; });
   }
   flood_outside(map);
   const bool enclosed = fills(box_of(map, Cell::free), box_of(map, Cell::occupied));
@@ -85,8 +80,7 @@ double raster_error_m(const GridMap& map) {
     for_each_touched_cell(map, wall, [&](std::int32_t i, std::int32_t j) {
       const double x = (i + 0.5) * map.resolution_m - wall.ax, y = (j + 0.5) * map.resolution_m - wall.ay;
       const double along = square > 0.0 ? std::clamp((x * dx + y * dy) / square, 0.0, 1.0) : 0.0;
-      float& best = nearest[static_cast<std::size_t>(j) * static_cast<std::size_t>(map.width) +
-                            static_cast<std::size_t>(i)];
+      float& best = nearest[map.index(i, j)];
       const double u = x - along * dx, v = y - along * dy;
       best = std::min(best, static_cast<float>(std::sqrt(u * u + v * v)));
     });

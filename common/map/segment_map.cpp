@@ -8,11 +8,11 @@
 #include <cstdint>
 #include <functional>
 #include <limits>
+#include <string_view>
 #include <unordered_set>
 #include <utility>
 
 #include "common/error.h"
-#include "common/file/input_file.h"
 #include "common/map/map_limits.h"
 #include "common/map/rasterise.h"
 
@@ -93,12 +93,17 @@ struct EndsHash {
 
 }  // namespace
 
-SegmentMap segment_map_from_text(const std::string& text, const std::string& path) {
-  return is_geojson(text, path) ? segment_map_from_geojson(text, path) : segment_map_from_yaml(text, path);
+bool is_geojson(const std::string& text, const std::string& path) {
+  const auto ends_with = [&](std::string_view end) {
+    return path.size() >= end.size() && path.compare(path.size() - end.size(), end.size(), end) == 0;
+  };
+  if (ends_with(".geojson") || ends_with(".json")) return true;
+  const std::size_t start = text.find_first_not_of(" \t\r\n\xEF\xBB\xBF");
+  return start != std::string::npos && text[start] == '{' && text.find("\"type\"") != std::string::npos;
 }
 
-SegmentMap read_segment_map(const std::string& path) {
-  return segment_map_from_text(read_input_file(path, path, kLongestSegmentFile + 1), path);
+SegmentMap segment_map_from_text(const std::string& text, const std::string& path) {
+  return is_geojson(text, path) ? segment_map_from_geojson(text, path) : segment_map_from_yaml(text, path);
 }
 
 PlacedSegments place_segments(const SegmentMap& segments, const std::string& name) {

@@ -49,7 +49,6 @@ inline bool is_segment_text(const std::string& text, const std::string& path) {
 SegmentMap segment_map_from_yaml(const std::string& text, const std::string& name);
 SegmentMap segment_map_from_geojson(const std::string& text, const std::string& name);
 SegmentMap segment_map_from_text(const std::string& text, const std::string& path);
-SegmentMap read_segment_map(const std::string& path);
 
 /// A segment map as what everything else works on, and what was left out of it.
 struct PlacedSegments {

@@ -12,12 +12,17 @@
 #include "common/file/text_fields.h"
 #include "common/file/yaml_section.h"
 #include "common/map/map_limits.h"
-#include "common/map/segment_keys.h"
 #include "common/map/segment_map.h"
 #include "common/map/wall_collector.h"
 
 namespace parloc {
 namespace {
+
+constexpr std::array<std::string_view, 5> kSegmentKeys = {"name", "resolution", "segments", "polylines",
+                                                          "polygons"};
+/// The keys of a map_server YAML that a segment map does not have too.
+constexpr std::array<std::string_view, 6> kImageKeys = {"image", "origin",          "negate",
+                                                        "mode",  "occupied_thresh", "free_thresh"};
 
 /// Turns the events of a YAML text into walls as they come, so that memory grows with the walls only, every
 /// message has its line, and nothing can nest deeper than a polygon does.
@@ -139,7 +144,39 @@ class SegmentEvents : public YamlEvents {
   bool in_map_ = false;
 };
 
+/// Stops at the first key that only one kind of map has, or that is nearest to one such.
+struct KindOfMap : YamlEvents {
+  struct Found {
+    bool segments;
+  };
+
+  void key(const std::string& name, std::size_t) override {
+    if (depth > 1 || name == "name" || name == "resolution") return;
+    const auto distance_to = [&](const auto& names) {
+      return edit_distance(name.substr(0, 100), nearest_name(name, names));
+    };
+    throw Found{distance_to(kSegmentKeys) < distance_to(kImageKeys)};
+  }
+  void value(YamlKind kind, const std::string&, std::size_t) override {
+    if (kind == YamlKind::list || kind == YamlKind::group) ++depth;
+  }
+  void end() override { --depth; }
+
+  int depth = 0;
+};
+
 }  // namespace
+
+bool is_segment_yaml(const std::string& text) {
+  try {
+    KindOfMap kind;
+    read_yaml(text, "", {"a map", static_cast<std::size_t>(-1), ErrorKind::input, true}, kind);
+  } catch (const KindOfMap::Found& found) {
+    return found.segments;
+  } catch (const Error&) {
+  }
+  return false;
+}
 
 SegmentMap segment_map_from_yaml(const std::string& text, const std::string& name) {
   SegmentEvents events(name);

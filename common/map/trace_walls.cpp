@@ -7,7 +7,7 @@
 #include <cstdint>
 
 #include "common/error.h"
-#include "common/map/blocking_cells.h"
+#include "common/map/grid_map.h"
 #include "common/map/simplify.h"
 
 namespace parloc {

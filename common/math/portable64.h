@@ -16,6 +16,18 @@ PARLOC_HD double fused64(double a, double b, double c) {
   return __builtin_fma(a, b, c);
 }
 
+/// first x^n + ... + last, from the inside out: each step fused, and with a rounding of its product.
+PARLOC_HD double fused_polynomial64(double x, double first, auto... others) {
+  double sum = first;
+  ((sum = fused64(sum, x, others)), ...);
+  return sum;
+}
+PARLOC_HD double polynomial64(double x, double first, auto... others) {
+  double sum = first;
+  ((sum = sum * x + others), ...);
+  return sum;
+}
+
 PARLOC_HD std::uint64_t bits_of64(double x) {
   std::uint64_t b;
   std::memcpy(&b, &x, sizeof b);
@@ -36,11 +48,9 @@ PARLOC_HD double portable_exp64(double x) {
   const double low = k * 1.90821492927058770002e-10;
   const double r = high - low;
   const double t = r * r;
-  double p = 4.13813679705723846039e-08;
-  p = p * t - 1.65339022054652515390e-06;
-  p = p * t + 6.61375632143793436117e-05;
-  p = p * t - 2.77777777770155933842e-03;
-  p = p * t + 1.66666666666666019037e-01;
+  const double p =
+      polynomial64(t, 4.13813679705723846039e-08, -1.65339022054652515390e-06, 6.61375632143793436117e-05,
+                   -2.77777777770155933842e-03, 1.66666666666666019037e-01);
   const double c = r - t * p;
   const double y = 1.0 - ((low - (r * c) / (2.0 - c)) - high);
   return y * double_of(static_cast<std::uint64_t>(static_cast<std::int64_t>(k) + 1023) << 52);
@@ -54,14 +64,10 @@ PARLOC_HD double portable_log64(double x) {
   const double f = double_of((bits & 0x000fffffffffffffu) + 0x3fe6a09e00000000u) - 1.0;
   const double s = f / (2.0 + f);
   const double z = s * s;
-  double r = 1.479819860511658591e-01;
-  r = r * z + 1.531383769920937332e-01;
-  r = r * z + 1.818357216161805012e-01;
-  r = r * z + 2.222219843214978396e-01;
-  r = r * z + 2.857142874366239149e-01;
-  r = r * z + 3.999999999940941908e-01;
-  r = r * z + 6.666666666666735130e-01;
-  r = r * z;
+  const double r =
+      z * polynomial64(z, 1.479819860511658591e-01, 1.531383769920937332e-01, 1.818357216161805012e-01,
+                       2.222219843214978396e-01, 2.857142874366239149e-01, 3.999999999940941908e-01,
+                       6.666666666666735130e-01);
   const double half = 0.5 * f * f;
   return k * 6.93147180369123816490e-01 - ((half - (s * (half + r) + k * 1.90821492927058770002e-10)) - f);
 }
@@ -76,19 +82,13 @@ PARLOC_HD SinCos64 portable_sincos64(double x) {
   double r = fused64(-k, 1.57079632679489655800e+00, x);
   r = fused64(-k, 6.12323399573676603587e-17, r);
   const double z = r * r;
-  double ps = 1.58969099521155010221e-10;
-  ps = fused64(ps, z, -2.50507602534068634195e-08);
-  ps = fused64(ps, z, 2.75573137070700676789e-06);
-  ps = fused64(ps, z, -1.98412698298579493134e-04);
-  ps = fused64(ps, z, 8.33333333332248946124e-03);
-  ps = fused64(ps, z, -1.66666666666666324348e-01);
+  const double ps = fused_polynomial64(z, 1.58969099521155010221e-10, -2.50507602534068634195e-08,
+                                       2.75573137070700676789e-06, -1.98412698298579493134e-04,
+                                       8.33333333332248946124e-03, -1.66666666666666324348e-01);
   const double s = fused64(ps * z, r, r);
-  double pc = -1.13596475577881948265e-11;
-  pc = fused64(pc, z, 2.08757232129817482790e-09);
-  pc = fused64(pc, z, -2.75573143513906633035e-07);
-  pc = fused64(pc, z, 2.48015872894767294178e-05);
-  pc = fused64(pc, z, -1.38888888888741095749e-03);
-  pc = fused64(pc, z, 4.16666666666666019037e-02);
+  const double pc = fused_polynomial64(z, -1.13596475577881948265e-11, 2.08757232129817482790e-09,
+                                       -2.75573143513906633035e-07, 2.48015872894767294178e-05,
+                                       -1.38888888888741095749e-03, 4.16666666666666019037e-02);
   const double c = fused64(pc * z, z, fused64(-0.5, z, 1.0));
   const long long q = static_cast<long long>(k);
   const double s0 = (q & 1) != 0 ? c : s;
@@ -108,17 +108,11 @@ PARLOC_HD double portable_atan_unit64(double t) {
     offset = 4.63647609000806093515e-01;
   }
   const double z = t * t;
-  double p = 1.62858201153657823623e-02;
-  p = fused64(p, z, -3.65315727442169155270e-02);
-  p = fused64(p, z, 4.97687799461593236017e-02);
-  p = fused64(p, z, -5.83357013379057348645e-02);
-  p = fused64(p, z, 6.66107313738753120669e-02);
-  p = fused64(p, z, -7.69187620504482999495e-02);
-  p = fused64(p, z, 9.09088713343650656196e-02);
-  p = fused64(p, z, -1.11111104054623557880e-01);
-  p = fused64(p, z, 1.42857142725034663711e-01);
-  p = fused64(p, z, -1.99999999998764832476e-01);
-  p = fused64(p, z, 3.33333333333329318027e-01);
+  const double p =
+      fused_polynomial64(z, 1.62858201153657823623e-02, -3.65315727442169155270e-02,
+                         4.97687799461593236017e-02, -5.83357013379057348645e-02, 6.66107313738753120669e-02,
+                         -7.69187620504482999495e-02, 9.09088713343650656196e-02, -1.11111104054623557880e-01,
+                         1.42857142725034663711e-01, -1.99999999998764832476e-01, 3.33333333333329318027e-01);
   return offset + fused64(-(p * z), t, t);
 }
 

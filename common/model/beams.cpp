@@ -111,9 +111,7 @@ void append_beam(BeamTable& t, const PlacedBeam& beam, float range_m, const Sens
 }
 
 void clear(BeamTable& t) {
-  for (auto* v : {&t.origin_x, &t.origin_y, &t.direction_x, &t.direction_y, &t.range_m, &t.short_density,
-                  &t.end_x, &t.end_y})
-    v->clear();
+  for (const auto array : kBeamArrays) (t.*array).clear();
   t.count = t.hits = 0;
 }
 
@@ -210,14 +208,7 @@ void append_scattered(const BeamTable& from, std::size_t first, std::size_t coun
   while (std::gcd(stride, count) != 1) ++stride;
   for (std::size_t k = 0; k < count; ++k) {
     const std::size_t m = first + k * stride % count;
-    to.origin_x.push_back(from.origin_x[m]);
-    to.origin_y.push_back(from.origin_y[m]);
-    to.direction_x.push_back(from.direction_x[m]);
-    to.direction_y.push_back(from.direction_y[m]);
-    to.range_m.push_back(from.range_m[m]);
-    to.short_density.push_back(from.short_density[m]);
-    to.end_x.push_back(from.end_x[m]);
-    to.end_y.push_back(from.end_y[m]);
+    for (const auto array : kBeamArrays) (to.*array).push_back((from.*array)[m]);
   }
 }
 

@@ -2,6 +2,7 @@
 // particle.
 #pragma once
 
+#include <array>
 #include <cstddef>
 #include <cstdint>
 #include <vector>
@@ -28,6 +29,11 @@ struct BeamTable : ScanShape {
   std::vector<float> short_density;  ///< z_short lambda exp(-lambda range): the beam model's constant.
   std::vector<float> end_x, end_y;   ///< [cells]
 };
+
+/// All of them, in the order of common/filter/stages.h.
+inline constexpr std::array kBeamArrays = {
+    &BeamTable::origin_x, &BeamTable::origin_y,      &BeamTable::direction_x, &BeamTable::direction_y,
+    &BeamTable::range_m,  &BeamTable::short_density, &BeamTable::end_x,       &BeamTable::end_y};
 
 /// Where the beams of a LiDAR look, remembered from scan to scan as long as nothing about it changes: sines
 /// cost more than all else that select_beams does.

@@ -12,7 +12,8 @@
 namespace parloc {
 namespace {
 
-const std::vector<Choice<MotionForm>> kMotionForms{{"seed", MotionForm::seed}, {"thrun", MotionForm::thrun}};
+const std::vector<Choice<MotionForm>> kMotionForms{
+    {"seed", MotionForm::seed}, {"thrun", MotionForm::thrun}, {"omni", MotionForm::omni}};
 const std::vector<Choice<ZeroPolicy>> kZeroPolicies{{"invalid", ZeroPolicy::invalid},
                                                     {"miss", ZeroPolicy::miss}};
 const std::vector<Choice<StampAt>> kStampAts{
@@ -73,20 +74,37 @@ std::optional<Violation> broken_rule(const LidarConfig& lidar, const ScanConfig&
 
 void add_settings(Settings& s, MotionConfig& motion) {
   s.group("motion", "How the robot moves: odometry motion model.");
-  s.add("form", "seed: sigma linear in the motion; thrun: variance quadratic (as AMCL)", motion.form,
-        kMotionForms);
+  s.add("form", "seed: sigma linear in the motion; thrun: variance quadratic (as AMCL); omni: sideways too",
+        motion.form, kMotionForms);
   s.add("alpha1", "Rotation noise from rotation [1]", motion.alpha1, {0, 100});
   s.add("alpha2", "Rotation noise from translation [rad/m]", motion.alpha2, {0, 100});
   s.add("alpha3", "Translation noise from translation [1]", motion.alpha3, {0, 100});
   s.add("alpha4", "Translation noise from rotation [m/rad]", motion.alpha4, {0, 100});
+  s.add("alpha5", "omni: sideways noise from translation [1]", motion.alpha5, {0, 100});
   s.add("sigma_rot_min_rad", "Noise floor of each rotation, only while the robot moves [rad]",
         motion.sigma_rot_min_rad, {0, 10});
   s.add("sigma_trans_min_m", "Noise floor of the translation, only while the robot moves [m]",
         motion.sigma_trans_min_m, {0, 10});
+  s.add("sigma_rot_per_s", "Rotation noise besides, standing too [rad/sqrt(s)]", motion.sigma_rot_per_s,
+        {0, 10});
+  s.add("sigma_trans_per_s", "Translation noise besides, standing too [m/sqrt(s)]", motion.sigma_trans_per_s,
+        {0, 10});
+  s.add("slip_share", "Share of the particles that move as if the wheels slipped: a heavy tail",
+        motion.slip_share, {0, 1});
+  s.add("slip_sigma_m", "Noise of a slip [m]", motion.slip_sigma_m, {0, 10});
+  s.add("slip_sigma_rad", "Noise of a slip [rad]", motion.slip_sigma_rad, {0, 10});
   s.add("min_translation_m", "A shorter step is a turn in place [m]", motion.min_translation_m, {0, 10});
   s.add("symmetric", "Driving backwards is not a turn by pi", motion.symmetric);
-  s.add("max_jump_m", "A longer odometry step is reported and its noise inflated [m]", motion.max_jump_m,
+  s.add("max_speed_mps", "A faster step is a jump of the odometry, and no motion [m/s]", motion.max_speed_mps,
         {0, 1000, true});
+  s.add("max_acceleration_mps2", "Likewise one that gets faster than this [m/s^2]",
+        motion.max_acceleration_mps2, {0, 1000, true});
+  s.add("max_turn_rate_rad_s", "Likewise one that turns faster [rad/s]", motion.max_turn_rate_rad_s,
+        {0, 1000, true});
+  s.add("max_jump_m", "Likewise a longer one, where stamps stand still [m]", motion.max_jump_m,
+        {0, 1000, true});
+  s.add("odometry_delay_s", "The odometry comes so much later than the scans [s]", motion.odometry_delay_s,
+        {-2, 2});
 }
 
 void add_settings(Settings& s, ScanConfig& scan) {

@@ -33,7 +33,8 @@ void OdometryTrack::add(double stamp_s, const Pose& reading) {
   if (place != readings_.begin()) {
     const Pose& before = (place - 1)->pose;
     const double dx = odometry.x_m - before.x_m, dy = odometry.y_m - before.y_m;
-    if (dx * dx + dy * dy > longest_step_m_ * longest_step_m_) {
+    const double most_m = std::max(longest_step_m_, max_speed_mps_ * (stamp_s - (place - 1)->stamp_s));
+    if (!(dx * dx + dy * dy <= most_m * most_m)) {
       readings_.assign(1, {stamp_s, odometry});
       return;
     }

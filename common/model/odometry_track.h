@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "common/math/pose.h"
+#include "common/model/motion_config.h"
 #include "common/model/trajectory.h"
 
 namespace parloc {
@@ -19,9 +20,10 @@ class OdometryTrack {
   /// A twist is taken over at least this time: stamps jitter.
   static constexpr double kShortestTwist_s = 0.02;
 
-  /// A step longer than `longest_step_m` between readings is a jump of the odometry: what was before it is
-  /// forgotten.
-  explicit OdometryTrack(double longest_step_m) : longest_step_m_(longest_step_m) {}
+  /// A step between readings that is longer than motion.max_jump_m, and than the robot is fast, is a jump of
+  /// the odometry: what was before it is forgotten.
+  explicit OdometryTrack(const MotionConfig& motion)
+      : longest_step_m_(motion.max_jump_m), max_speed_mps_(motion.max_speed_mps) {}
 
   /// In any order; of equal stamps the last counts. What is not finite is ignored. A stamp more than two
   /// seconds before the newest is another clock: it starts anew.
@@ -39,7 +41,7 @@ class OdometryTrack {
  private:
   Pose at(double stamp_s) const;
 
-  double longest_step_m_;
+  double longest_step_m_, max_speed_mps_;
   std::vector<StampedPose> readings_;  ///< By ascending stamp, no two equal.
 };
 

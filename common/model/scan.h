@@ -12,18 +12,18 @@ namespace parloc {
 /// bearings_rad[i] where there are any.
 struct Scan {
   double stamp_s = 0.0;
-  std::string sensor;  ///< Which LiDAR: "front", "rear", "robotlaser1"; may be empty where there is one.
-  Pose T_base_sensor;
+  std::string sensor{};  ///< Which LiDAR: "front", "rear", "robotlaser1"; may be empty where there is one.
+  Pose T_base_sensor{};
   double angle_min_rad = 0.0;
   double angle_step_rad = 0.0;
-  double range_min_m = 0.0;     ///< 0: the log does not say.
-  double range_max_m = 0.0;     ///< 0: the log does not say.
-  double scan_time_s = 0.0;     ///< From the first beam to the last; 0: the log does not say.
-  std::vector<float> ranges_m;  ///< As recorded: may hold NaN, inf, zeros, values beyond the maximum.
+  double range_min_m = 0.0;       ///< 0: the log does not say.
+  double range_max_m = 0.0;       ///< 0: the log does not say.
+  double scan_time_s = 0.0;       ///< From the first beam to the last; 0: the log does not say.
+  std::vector<float> ranges_m{};  ///< As recorded: may hold NaN, inf, zeros, values beyond the maximum.
   /// Of uneven beams, one per range, unwrapped, in ascending or descending order; empty: even.
-  std::vector<double> bearings_rad;
+  std::vector<double> bearings_rad{};
   /// When each beam was taken, relative to the stamp, one per range; empty: evenly over the scan's time.
-  std::vector<double> beam_times_s;
+  std::vector<double> beam_times_s{};
 };
 
 /// Where a beam of a scan ended: base frame at the scan's stamp.

@@ -2,18 +2,23 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
+#include <utility>
 
 #include "common/error.h"
 #include "common/filter/filter_backend.h"
-#include "common/math/portable.h"
 #include "common/math/portable64.h"
 #include "common/model/beams.h"
 #include "common/search/hypotheses.h"
-#include "common/search/pose_evidence.h"
+#include "common/search/judge_places.h"
+#include "common/search/lattice_search.h"
 #include "common/search/search_backend.h"
+#include "common/search/search_task.h"
 
 namespace parloc {
 namespace {
+
+constexpr std::int64_t kWhole = std::numeric_limits<std::int64_t>::max();
 
 void expect(bool good, const char* setting, const char* limits) {
   if (!good) throw Error(ErrorKind::config, std::string("search.") + setting + ": expected " + limits);
@@ -25,11 +30,6 @@ std::unique_ptr<SearchBackend> choose_backend(const SearchMap& map, const Comput
     if constexpr (PARLOC_WITH_CUDA != 0) return make_cuda_search(map, c.device);
   }
   return make_cpu_search(map, c.threads);
-}
-
-std::int32_t block_of(double x_m, double cell_m, std::int32_t blocks) {
-  const double block = std::floor(x_m / (cell_m * kBlockCells));
-  return static_cast<std::int32_t>(std::clamp(block, 0.0, static_cast<double>(blocks)));
 }
 
 }  // namespace
@@ -52,170 +52,175 @@ void validate(const SearchConfig& c) {
 }
 
 struct GlobalSearch::State {
-  State(const GridMap& grid, const SearchConfig& c, const ComputeConfig& compute)
+  State(const GridMap& grid, const SearchConfig& c, const ComputeConfig& compute,
+        std::shared_ptr<const SearchMap> ready)
       : config(c),
         T_map_grid(grid.T_map_grid),
         name(grid.name),
         resolution_m(grid.resolution_m),
-        map(make_search_map(grid, c)),
-        judge(grid, map),
+        shared(std::move(ready)),
+        map(*shared),
+        judge(grid, map, c),
         backend(choose_backend(map, compute, why)) {
     if (map.free_count == 0) throw Error(ErrorKind::input, name + ": the map has no free cell");
   }
 
-  SearchTask task(const SearchPrior& prior) const;
-  void set_region(const SearchPrior::Disc& disc, SearchTask& task) const;
-  void set_headings(const SearchPrior::Interval& interval, SearchTask& task) const;
-  Separation separation() const { return {config.separation_m, config.separation_rad}; }
+  void begin(const BeamTable& table, const SearchPrior& prior, std::size_t most);
+  void begin_judging();
+  std::int64_t step(std::int64_t work);
+  std::int64_t turn(std::int64_t work);
 
   SearchConfig config;
   Pose T_map_grid;
   std::string name;
   double resolution_m;
-  SearchMap map;
-  PoseEvidence judge;
+  std::shared_ptr<const SearchMap> shared;
+  const SearchMap& map;
+  JudgePlaces judge;
   std::string why;
   std::unique_ptr<SearchBackend> backend;
+
+  enum class Stage { idle, turn, lattice, separate, judge, done };
+  Stage stage = Stage::idle;
+  bool lattice_only = false;
+  std::int64_t work_done = 0;
+  SearchTask task;
   SearchScan scan;
-  std::vector<std::uint64_t> champions;
-  BeamTable beams;
+  std::int32_t turned = 0;  // headings of the task
+  LatticeSearch lattice;
+  SeparatePoses places;
+  BeamTable beams, selected;  // of the search; of a scan that is not selected yet
 };
 
-SearchTask GlobalSearch::State::task(const SearchPrior& prior) const {
-  SearchTask t;
-  t.grid = map.shape;
-  t.beams = scan.beams;
-  t.headings = t.heading_count = scan.headings;
-  t.block_end_i = t.grid.blocks_x();
-  t.block_end_j = t.grid.blocks_y();
-  if (prior.region) set_region(*prior.region, t);
-  if (prior.heading) set_headings(*prior.heading, t);
-  const double full = static_cast<double>(kMostValue) * scan.beams;
-  t.least = std::max(1u, static_cast<std::uint32_t>(std::floor(config.least_score * full)));
-  t.share_1024th = static_cast<std::uint32_t>(std::floor(config.least_share * 1024.0));
-  return t;
+void GlobalSearch::State::begin(const BeamTable& table, const SearchPrior& prior, std::size_t most) {
+  stage = Stage::idle;
+  work_done = 0;
+  choose_search_beams(table, resolution_m, map.cell_m, config, scan);
+  task = make_search_task(map, T_map_grid, name, config, scan, prior);
+  beams = table;
+  turned = 0;
+  places.begin(map.shape, scan.headings, map.cell_m, {config.separation_m, config.separation_rad}, most);
+  stage = scan.beams > 0 ? Stage::turn : Stage::separate;  // without a hit there is no place
 }
 
-void GlobalSearch::State::set_region(const SearchPrior::Disc& disc, SearchTask& t) const {
-  if (!std::isfinite(disc.x_m) || !std::isfinite(disc.y_m) || !(disc.radius_m >= 0.0) ||
-      !std::isfinite(disc.radius_m))
-    throw Error(ErrorKind::input, "search region: expected a finite place and a radius from 0 up");
-  const Pose centre = relative({disc.x_m, disc.y_m, 0.0}, T_map_grid);
-  const double half_cells = 2.0 / map.cell_m;
-  constexpr double far = 1e8;  // beyond any map
-  const auto whole = [](double x) { return static_cast<std::int64_t>(std::floor(x + 0.5)); };
-  t.region.x = whole(std::clamp(centre.x_m * half_cells, -far, far));
-  t.region.y = whole(std::clamp(centre.y_m * half_cells, -far, far));
-  const double radius = std::min(disc.radius_m * half_cells, 4.0 * far);
-  t.region.squared_radius = static_cast<std::int64_t>(std::floor(radius * radius));
-  const double reach_m = disc.radius_m + map.cell_m;  // the centre was rounded
-  t.block_i = block_of(centre.x_m - reach_m, map.cell_m, t.block_end_i);
-  t.block_j = block_of(centre.y_m - reach_m, map.cell_m, t.block_end_j);
-  t.block_end_i = std::min(t.block_end_i, block_of(centre.x_m + reach_m, map.cell_m, t.block_end_i) + 1);
-  t.block_end_j = std::min(t.block_end_j, block_of(centre.y_m + reach_m, map.cell_m, t.block_end_j) + 1);
-  const SearchGrid grid = map.view();
-  for (std::int32_t j = 0; j < grid.height; ++j)
-    for (std::int32_t i = 0; i < grid.width; ++i)
-      if (grid.is_free(i, j) && t.region.contains(i, j)) return;
-  throw Error(ErrorKind::input, name + ": the search region has no free cell");
+void GlobalSearch::State::begin_judging() {
+  judge.begin(beams, places.taken(), scan.headings);
+  stage = lattice_only || judge.done() ? Stage::done : Stage::judge;
 }
 
-void GlobalSearch::State::set_headings(const SearchPrior::Interval& interval, SearchTask& t) const {
-  if (!std::isfinite(interval.heading_rad) || !(interval.tolerance_rad >= 0.0))
-    throw Error(ErrorKind::input, "search heading: expected a finite angle and a tolerance from 0 up");
-  const double step_rad = 2.0 * kPi / t.headings;
-  if (interval.tolerance_rad >= kPi) return;
-  const double middle = wrap64(interval.heading_rad - T_map_grid.theta_rad);
-  // At least the nearest heading on either side.
-  const double low = std::floor((middle - interval.tolerance_rad) / step_rad);
-  const double high = std::floor((middle + interval.tolerance_rad) / step_rad) + 1.0;
-  const auto first = static_cast<std::int32_t>(low);
-  t.first_heading = (first % t.headings + t.headings) % t.headings;
-  t.heading_count = std::min(t.headings, static_cast<std::int32_t>(high) - first + 1);
+/// Offsets for the headings that are asked for.
+std::int64_t GlobalSearch::State::turn(std::int64_t work) {
+  const std::int64_t each = search_work::kTurnedBeam * scan.beams;
+  std::int64_t spent = 0;
+  while (turned < task.heading_count && (spent == 0 || spent < work)) {
+    turn_search_scan(scan, map.cell_m, task.heading(turned++));
+    spent += each;
+  }
+  return spent;
 }
 
-GlobalSearch::GlobalSearch(const GridMap& map, const SearchConfig& config, const ComputeConfig& compute) {
+std::int64_t GlobalSearch::State::step(std::int64_t work) {
+  std::int64_t spent = 0;
+  switch (stage) {
+    case Stage::turn:
+      spent = turn(work);
+      if (turned < task.heading_count) break;
+      lattice.begin(*backend, task, scan, places.keys);
+      stage = Stage::lattice;
+      break;
+    case Stage::lattice:
+      spent = lattice.advance(work);
+      if (lattice.done()) stage = Stage::separate;
+      break;
+    case Stage::separate:
+      spent = places.advance(work);
+      if (places.done()) begin_judging();
+      break;
+    case Stage::judge:
+      spent = judge.advance(work);
+      if (judge.done()) stage = Stage::done;
+      break;
+    case Stage::idle:
+    case Stage::done:
+      break;
+  }
+  return spent;
+}
+
+GlobalSearch::GlobalSearch(const GridMap& map, const SearchConfig& config, const ComputeConfig& compute)
+    : GlobalSearch(map, config, compute, nullptr) {}
+GlobalSearch::GlobalSearch(const GridMap& map, const SearchConfig& config, const ComputeConfig& compute,
+                           const GlobalSearch* beside) {
   validate(config);
   expect(compute.threads >= 0 && compute.threads <= 4096, "threads", "a whole number from 0 to 4096");
-  state_ = std::make_unique<State>(map, config, compute);
+  state_ = std::make_unique<State>(map, config, compute,
+                                   beside != nullptr
+                                       ? beside->state_->shared
+                                       : std::make_shared<const SearchMap>(make_search_map(map, config)));
 }
 GlobalSearch::~GlobalSearch() = default;
 GlobalSearch::GlobalSearch(GlobalSearch&&) noexcept = default;
 GlobalSearch& GlobalSearch::operator=(GlobalSearch&&) noexcept = default;
 
-std::vector<LatticePose> GlobalSearch::search_lattice(const BeamTable& beams, const SearchPrior& prior,
-                                                      std::size_t most) {
-  State& s = *state_;
-  make_search_scan(beams, s.resolution_m, s.map.cell_m, s.config, s.scan);
-  const SearchTask task = s.task(prior);
-  if (s.scan.beams == 0) return {};
-  s.backend->search(task, s.scan, s.champions);
-  return separate(s.champions, s.map.shape.width, s.map.shape.height, s.scan.headings, s.map.cell_m,
-                  s.separation(), most);
+void GlobalSearch::begin(const BeamTable& beams, const SearchPrior& prior) {
+  state_->lattice_only = false;
+  state_->begin(beams, prior, static_cast<std::size_t>(state_->config.candidates));
 }
 
-namespace {
-
-/// The most likely first, those too close to a better one left out, weights as shares of what is left.
-std::vector<Hypothesis> rank(std::vector<Hypothesis> all, const Separation& separation,
-                             double effective_beams) {
-  std::stable_sort(all.begin(), all.end(),
-                   [](const Hypothesis& a, const Hypothesis& b) { return a.evidence > b.evidence; });
-  std::vector<Hypothesis> kept;
-  double total = 0.0;
-  for (Hypothesis& h : all) {
-    const auto apart = [&](const Hypothesis& other) { return separated(h.pose, other.pose, separation); };
-    if (!std::all_of(kept.begin(), kept.end(), apart)) continue;
-    const double behind = h.evidence - all.front().evidence;
-    h.weight = portable_exp(static_cast<float>(effective_beams * behind));
-    total += h.weight;
-    kept.push_back(h);
-  }
-  for (Hypothesis& h : kept) h.weight /= total;
-  return kept;
+bool GlobalSearch::advance(std::int64_t work) {
+  State& s = *state_;
+  std::int64_t spent = 0;
+  do {
+    spent += s.step(work - spent);
+  } while (under_way() && spent < work);
+  s.work_done += spent;
+  return !under_way();
 }
 
-}  // namespace
+bool GlobalSearch::under_way() const {
+  return state_->stage != State::Stage::idle && state_->stage != State::Stage::done;
+}
 
-SearchResult GlobalSearch::search(const BeamTable& beams, const SearchPrior& prior) {
-  State& s = *state_;
-  const std::vector<LatticePose> found =
-      search_lattice(beams, prior, static_cast<std::size_t>(s.config.candidates));
+void GlobalSearch::cancel() {
+  if (under_way()) state_->stage = State::Stage::idle;
+}
+
+std::int64_t GlobalSearch::work_done() const {
+  return state_->work_done;
+}
+
+SearchResult GlobalSearch::result() const {
+  const State& s = *state_;
+  if (s.stage != State::Stage::done || s.lattice_only)
+    throw Error(ErrorKind::internal, "GlobalSearch::result: no search is finished");
   SearchResult result;
   result.beams = static_cast<std::size_t>(s.scan.beams);
   result.headings = static_cast<std::size_t>(s.scan.headings);
-  result.candidates = found.size();
-  std::vector<Hypothesis> all;
-  for (const LatticePose& p : found) {
-    Pose pose = pose_of(p, s.scan.headings, s.map.cell_m);
-    Hypothesis h;
-    h.score = s.judge.refine(beams, 2.0 * kPi / s.scan.headings, pose);
-    const PoseVerdict judged = s.judge.judge(beams, pose);
-    h.explained = judged.explained;
-    h.through = judged.through;
-    h.unmapped = judged.unmapped;
-    h.evidence = judged.evidence;
-    h.pose = compose(s.T_map_grid, pose);
-    all.push_back(h);
-  }
-  result.hypotheses = rank(std::move(all), s.separation(), s.config.effective_beams);
-  const std::size_t most = static_cast<std::size_t>(s.config.most);
-  result.too_many = found.size() == static_cast<std::size_t>(s.config.candidates);
-  result.ambiguous = result.too_many;
-  for (std::size_t n = 0; n < result.hypotheses.size(); ++n) {
-    Hypothesis& h = result.hypotheses[n];
-    h.as_good = h.weight >= s.config.ambiguous_share * result.hypotheses[0].weight;
-    result.ambiguous = result.ambiguous || (n > 0 && h.as_good);
-  }
-  if (result.hypotheses.size() > most) result.hypotheses.resize(most);
+  s.judge.report(result);
   return result;
+}
+
+std::vector<LatticePose> GlobalSearch::search_lattice(const BeamTable& beams, const SearchPrior& prior,
+                                                      std::size_t most) {
+  state_->lattice_only = true;
+  state_->begin(beams, prior, most);
+  while (!advance(kWhole)) {
+  }
+  return state_->places.taken();
+}
+
+SearchResult GlobalSearch::search(const BeamTable& beams, const SearchPrior& prior) {
+  begin(beams, prior);
+  while (!advance(kWhole)) {
+  }
+  return result();
 }
 
 SearchResult GlobalSearch::search(const Scan& scan, const ScanConfig& scan_config, const SearchPrior& prior) {
   State& s = *state_;
   BeamCounts counts;
-  select_beams(scan, scan_config, default_sensor(SensorModel::beam), s.resolution_m, s.beams, counts);
-  return search(s.beams, prior);
+  select_beams(scan, scan_config, default_sensor(SensorModel::beam), s.resolution_m, s.selected, counts);
+  return search(s.selected, prior);
 }
 
 const SearchMap& GlobalSearch::map() const {

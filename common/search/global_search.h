@@ -3,6 +3,7 @@
 #pragma once
 
 #include <cstddef>
+#include <cstdint>
 #include <memory>
 #include <string>
 #include <vector>
@@ -47,12 +48,21 @@ void validate(const SearchConfig& config);
 
 /// Not thread-safe; one object per map. Deterministic: the same map, configuration and beams give the same
 /// bits on every backend, thread count and instruction set.
+///
+/// A search can be done in slices, between which something else is done:
+///   search.begin(beams);
+///   while (!search.advance(work)) { ... }
+///   const SearchResult result = search.result();
 class GlobalSearch {
  public:
   /// Everything that depends on the map alone. Throws Error{input} for a map without free cells,
   /// Error{config} for an impossible configuration, Error{backend} if the backend is not there.
   explicit GlobalSearch(const GridMap& map, const SearchConfig& config = {},
                         const ComputeConfig& compute = {});
+  /// A second one of the same map, for searches while the first is under way: shares what depends on the map.
+  /// cell_m and sigma_m are those of the first. `beside` may be null.
+  GlobalSearch(const GridMap& map, const SearchConfig& config, const ComputeConfig& compute,
+               const GlobalSearch* beside);
   ~GlobalSearch();
   GlobalSearch(GlobalSearch&&) noexcept;
   GlobalSearch& operator=(GlobalSearch&&) noexcept;
@@ -63,10 +73,30 @@ class GlobalSearch {
   /// The same for a scan taken in an instant.
   SearchResult search(const Scan& scan, const ScanConfig& scan_config, const SearchPrior& prior = {});
 
+  /// Begins a search to be done in slices; any other is given up. Copies what it needs of `beams`. Takes far
+  /// less than a millisecond, but for a region of many blocks none of which has a free cell. Throws as
+  /// `search`; then none is under way.
+  void begin(const BeamTable& beams, const SearchPrior& prior = {});
+  /// Does about so much work, but something, and at most one piece more than asked for: a row of blocks at
+  /// one heading, or the judging of one place. True when there is no more to do. The unit is one beam looked
+  /// up for 64 blocks or poses at once, 1 to 3 ns on one core (search_work.h); a million of them is a slice
+  /// of a few milliseconds. What is found does not depend on how the work is sliced, and how much work a
+  /// search is depends neither on that nor on the backend, the threads or the machine: the same slices end it
+  /// everywhere. Allocates nothing once memory has grown.
+  bool advance(std::int64_t work);
+  /// Whether a search was begun and is neither finished nor given up.
+  bool under_way() const;
+  /// Gives it up.
+  void cancel();
+  /// Of the last search that was finished since `begin`. Throws Error{internal} if there is none.
+  SearchResult result() const;
+  /// All of the work that has been done since `begin`.
+  std::int64_t work_done() const;
+
   /// The exhaustive part alone: at most `most` separated poses of the lattice, best first.
   std::vector<LatticePose> search_lattice(const BeamTable& beams, const SearchPrior& prior, std::size_t most);
   const SearchMap& map() const;
-  const SearchScan& scan() const;  ///< Of the last search.
+  const SearchScan& scan() const;  ///< Of the last search; offsets of the headings it was about.
   std::string backend_name() const;
   const std::string& backend_reason() const;  ///< One line on why this one was taken.
 

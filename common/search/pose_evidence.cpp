@@ -52,21 +52,24 @@ bool PoseEvidence::is_free(const Pose& pose) const {
   return grid_.is_free(static_cast<std::int32_t>(i), static_cast<std::int32_t>(j));
 }
 
-double PoseEvidence::refine(const BeamTable& beams, double heading_step_rad, Pose& pose) const {
+double PoseEvidence::refine(const BeamTable& beams, double heading_step_rad, Pose& pose,
+                            std::int64_t& tried) const {
   double best = score(beams, pose);
+  ++tried;
   double step_m = 0.5 * search_.cell_m, step_rad = 0.5 * heading_step_rad;
   for (int halvings = 0; halvings < 4; ++halvings, step_m *= 0.5, step_rad *= 0.5) {
     for (int round = 0; round < 4; ++round) {
       Pose moved = pose;
       for (int direction = 0; direction < 6; ++direction) {
-        Pose tried = pose;
+        Pose other = pose;
         const double sign = direction % 2 == 0 ? 1.0 : -1.0;
-        if (direction / 2 == 0) tried.x_m += sign * step_m;
-        if (direction / 2 == 1) tried.y_m += sign * step_m;
-        if (direction / 2 == 2) tried.theta_rad = wrap64(tried.theta_rad + sign * step_rad);
-        if (!is_free(tried)) continue;
-        const double s = score(beams, tried);
-        if (s > best) best = s, moved = tried;
+        if (direction / 2 == 0) other.x_m += sign * step_m;
+        if (direction / 2 == 1) other.y_m += sign * step_m;
+        if (direction / 2 == 2) other.theta_rad = wrap64(other.theta_rad + sign * step_rad);
+        if (!is_free(other)) continue;
+        ++tried;
+        const double s = score(beams, other);
+        if (s > best) best = s, moved = other;
       }
       if (moved.x_m == pose.x_m && moved.y_m == pose.y_m && moved.theta_rad == pose.theta_rad) break;
       pose = moved;

@@ -1,6 +1,9 @@
 // How well one pose explains a whole scan: below the lattice, and with rays.
 #pragma once
 
+#include <cstddef>
+#include <cstdint>
+
 #include "common/map/grid_map.h"
 #include "common/model/beams.h"
 #include "common/search/scan_evidence.h"
@@ -22,8 +25,11 @@ class PoseEvidence {
   PoseEvidence(const GridMap& map, const SearchMap& search);
 
   /// Moves a pose (grid frame) to where the field fits best close by: no farther than about a cell and
-  /// `heading_step_rad`, and only to free cells. Returns its score, 0 to 1: the mean value of the hits.
-  double refine(const BeamTable& beams, double heading_step_rad, Pose& pose) const;
+  /// `heading_step_rad`, and only to free cells. Returns its score, 0 to 1: the mean value of the hits;
+  /// `tried` grows by the number of poses that were looked at.
+  double refine(const BeamTable& beams, double heading_step_rad, Pose& pose, std::int64_t& tried) const;
+  /// As ScanEvidence::learn, for the LiDARs of `judge`.
+  bool learn(float range_max_m, std::size_t places) { return evidence_.learn(range_max_m, places); }
   PoseVerdict judge(const BeamTable& beams, const Pose& pose);
 
  private:

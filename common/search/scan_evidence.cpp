@@ -9,7 +9,6 @@
 namespace parloc {
 namespace {
 
-constexpr std::int64_t kPlaces = 2048;     // rays that chance is learnt from
 constexpr std::uint64_t kPlacesSeed = 17;  // any will do
 constexpr std::size_t kBins = 256;
 constexpr std::size_t kMostChances = 16;  // LiDARs of different reach, remembered at the same time
@@ -45,6 +44,11 @@ std::size_t bin_of(float range_m, float range_max_m) {
   return std::min(static_cast<std::size_t>(max_of(bin, 0.0f)), kBins - 1);
 }
 
+/// A reach that is no number is one, too: it is learnt once like any other.
+bool same_reach(float a, float b) {
+  return a == b || (a != a && b != b);
+}
+
 }  // namespace
 
 // Rays go on through unknown cells, whatever the filter's do: maps made on a drive have some along the drive
@@ -56,38 +60,49 @@ ScanEvidence::ScanEvidence(const GridMap& map) : rays_(map, false) {
   anywhere_heading_rad_ = std::move(anywhere.theta);
 }
 
-ScanEvidence::Chance ScanEvidence::learn_chance(float range_max_m) {
+void ScanEvidence::add_place(std::size_t place) {
+  const float range_max_m = learning_.range_max_m;
   const Beam beam(range_max_m);
-  std::vector<double> hit(kBins, 0.0);
-  double miss = 0.0;
-  for (std::size_t k = 0; k < anywhere_x_m_.size(); ++k) {
-    const float expected_m =
-        rays_.cast(anywhere_x_m_[k], anywhere_y_m_[k], anywhere_heading_rad_[k], range_max_m);
-    for (std::size_t bin = 0; bin < kBins; ++bin) {
-      const float middle_m = (static_cast<float>(bin) + 0.5f) * range_max_m / static_cast<float>(kBins);
-      hit[bin] += static_cast<double>(portable_exp(beam.log_hit(middle_m, expected_m)));
-    }
-    miss += static_cast<double>(portable_exp(beam.log_miss(expected_m)));
+  const float expected_m =
+      rays_.cast(anywhere_x_m_[place], anywhere_y_m_[place], anywhere_heading_rad_[place], range_max_m);
+  for (std::size_t bin = 0; bin < kBins; ++bin) {
+    const float middle_m = (static_cast<float>(bin) + 0.5f) * range_max_m / static_cast<float>(kBins);
+    learning_.hit[bin] += static_cast<double>(portable_exp(beam.log_hit(middle_m, expected_m)));
   }
+  learning_.miss += static_cast<double>(portable_exp(beam.log_miss(expected_m)));
+}
+
+ScanEvidence::Chance ScanEvidence::learnt_chance() const {
   const auto log_mean = [&](double sum) {
     return portable_log(static_cast<float>(sum / static_cast<double>(anywhere_x_m_.size())));
   };
-  Chance chance{range_max_m, std::vector<float>(kBins), log_mean(miss)};
-  std::transform(hit.begin(), hit.end(), chance.log_hit.begin(), log_mean);
+  Chance chance{learning_.range_max_m, std::vector<float>(kBins), log_mean(learning_.miss)};
+  std::transform(learning_.hit.begin(), learning_.hit.end(), chance.log_hit.begin(), log_mean);
   return chance;
 }
 
-const ScanEvidence::Chance& ScanEvidence::chance_for(float range_max_m) {
-  for (const Chance& known : chances_)
-    if (known.range_max_m == range_max_m) return known;
+const ScanEvidence::Chance* ScanEvidence::known(float range_max_m) const {
+  for (const Chance& chance : chances_)
+    if (same_reach(chance.range_max_m, range_max_m)) return &chance;
+  return nullptr;
+}
+
+bool ScanEvidence::learn(float range_max_m, std::size_t places) {
+  if (known(range_max_m) != nullptr) return true;
+  if (learning_.hit.empty() || !same_reach(learning_.range_max_m, range_max_m))
+    learning_ = {range_max_m, std::vector<double>(kBins, 0.0), 0.0, 0};
+  for (; places > 0 && learning_.places < anywhere_x_m_.size(); --places) add_place(learning_.places++);
+  if (learning_.places < anywhere_x_m_.size()) return false;
   if (chances_.size() == kMostChances) chances_.erase(chances_.begin());
-  chances_.push_back(learn_chance(range_max_m));
-  return chances_.back();
+  chances_.push_back(learnt_chance());
+  learning_ = {};
+  return true;
 }
 
 double ScanEvidence::per_beam(const BeamTable& beams, const Pose& pose_in_grid) {
   if (beams.count == 0) return 0.0;
-  const Chance& chance = chance_for(beams.range_max_m);
+  (void)learn(beams.range_max_m, anywhere_x_m_.size());
+  const Chance& chance = *known(beams.range_max_m);
   rays_.cast(beams, pose_in_grid, expected_m_);
   const Beam beam(chance.range_max_m);
   double sum = 0.0;

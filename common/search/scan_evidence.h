@@ -1,6 +1,8 @@
 // How much a scan speaks for a pose, against any other pose on the map.
 #pragma once
 
+#include <cstddef>
+#include <cstdint>
 #include <vector>
 
 #include "common/filter/pose_rays.h"
@@ -15,13 +17,17 @@ namespace parloc {
 /// as the first, and a scan that fits everywhere tells nothing.
 class ScanEvidence {
  public:
+  static constexpr std::int64_t kPlaces = 2048;  ///< Rays that chance is learnt from.
   /// Built once per map. Throws Error{input} for a map without free cells.
   explicit ScanEvidence(const GridMap& map);
 
   /// Mean over the beams, hits and misses, of the logarithm of the ratio [nat]: about 1 to 2 where the robot
-  /// is, below 0 where it is not. 0 for a scan without beams. Of a range_max_m that was not seen before the
+  /// is, below 0 where it is not. 0 for a scan without beams. Of a range_max_m that is not known yet the
   /// first call takes milliseconds. Deterministic on every machine.
   double per_beam(const BeamTable& beams, const Pose& pose_in_grid);
+  /// Becomes ready for LiDARs that reach so far [m], by at most so many of the random places that are gone
+  /// through for it; true when all have been. What it learns is the same however it is sliced.
+  bool learn(float range_max_m, std::size_t places);
   /// Expected ranges of that call, by beam [m].
   const std::vector<float>& expected_m() const { return expected_m_; }
 
@@ -32,13 +38,22 @@ class ScanEvidence {
     std::vector<float> log_hit;  // log density by range, in equal bins up to range_max_m
     float log_miss = 0.0f;       // log probability
   };
-  Chance learn_chance(float range_max_m);
-  const Chance& chance_for(float range_max_m);
+  /// Sums of probabilities over the places that were gone through.
+  struct Learning {
+    float range_max_m = 0.0f;
+    std::vector<double> hit;  // empty: nothing is being learnt
+    double miss = 0.0;
+    std::size_t places = 0;
+  };
+  const Chance* known(float range_max_m) const;
+  void add_place(std::size_t place);
+  Chance learnt_chance() const;
 
   PoseRays rays_;
   std::vector<float> anywhere_x_m_, anywhere_y_m_, anywhere_heading_rad_;  // random poses on free cells
   std::vector<Chance> chances_;                                            // the newest last
-  std::vector<float> expected_m_;                                          // of the scan at hand
+  Learning learning_;
+  std::vector<float> expected_m_;  // of the scan at hand
 };
 
 }  // namespace parloc

@@ -30,8 +30,8 @@ struct SearchPrior {
   struct Interval {
     double heading_rad, tolerance_rad;
   };
-  std::optional<Disc> region;
-  std::optional<Interval> heading;
+  std::optional<Disc> region{};
+  std::optional<Interval> heading{};
 };
 
 }  // namespace parloc

@@ -2,8 +2,8 @@
 
 #include <algorithm>
 
-#include "common/map/blocking_cells.h"
 #include "common/map/distance_field.h"
+#include "common/map/grid_map.h"
 #include "common/math/portable.h"
 
 namespace parloc {

@@ -47,21 +47,29 @@ double SearchScan::heading_rad(std::int32_t k) const {
   return wrap64(2.0 * kPi * k / headings);
 }
 
-void make_search_scan(const BeamTable& table, double map_resolution_m, double cell_m,
-                      const SearchConfig& config, SearchScan& scan) {
+void choose_search_beams(const BeamTable& table, double map_resolution_m, double cell_m,
+                         const SearchConfig& config, SearchScan& scan) {
   choose_hits(table, map_resolution_m, static_cast<std::size_t>(config.beams), scan);
   scan.headings = headings_for(scan, cell_m, config);
+  const std::size_t offsets = static_cast<std::size_t>(scan.headings) * scan.end_x_m.size();
+  if (scan.offsets.size() < offsets) scan.offsets.resize(offsets);
+}
+
+void turn_search_scan(SearchScan& scan, double cell_m, std::int32_t k) {
   const std::size_t beams = scan.end_x_m.size();
-  scan.offsets.resize(static_cast<std::size_t>(scan.headings) * beams);
   const double per_cell = 1.0 / cell_m;
-  Offset* out = scan.offsets.data();
-  for (std::int32_t k = 0; k < scan.headings; ++k) {
-    const SinCos64 r = portable_sincos64(scan.heading_rad(k));
-    for (std::size_t b = 0; b < beams; ++b) {
-      const double x = scan.end_x_m[b] * per_cell, y = scan.end_y_m[b] * per_cell;
-      *out++ = {offset_of(r.cos * x - r.sin * y), offset_of(r.sin * x + r.cos * y)};
-    }
+  const SinCos64 r = portable_sincos64(scan.heading_rad(k));
+  Offset* out = scan.offsets.data() + static_cast<std::size_t>(k) * beams;
+  for (std::size_t b = 0; b < beams; ++b) {
+    const double x = scan.end_x_m[b] * per_cell, y = scan.end_y_m[b] * per_cell;
+    out[b] = {offset_of(r.cos * x - r.sin * y), offset_of(r.sin * x + r.cos * y)};
   }
+}
+
+void make_search_scan(const BeamTable& table, double map_resolution_m, double cell_m,
+                      const SearchConfig& config, SearchScan& scan) {
+  choose_search_beams(table, map_resolution_m, cell_m, config, scan);
+  for (std::int32_t k = 0; k < scan.headings; ++k) turn_search_scan(scan, cell_m, k);
 }
 
 }  // namespace parloc

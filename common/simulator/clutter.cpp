@@ -6,6 +6,7 @@
 
 #include "common/math/philox.h"
 #include "common/math/portable64.h"
+#include "common/simulator/drive.h"
 
 namespace parloc {
 namespace {
@@ -40,14 +41,12 @@ double distance_to_path_m(const WaypointPath& path, double x_m, double y_m) {
 
 /// A point beside the path: on a leg chosen by length, up to `reach_m` off it.
 Waypoint beside_path(const WaypointPath& path, const Draws& d, double reach_m) {
-  double length_m = 0.0;
   const auto leg_m = [&](std::size_t k) {
     const double dx = path.points[k].x_m - path.points[k - 1].x_m;
     const double dy = path.points[k].y_m - path.points[k - 1].y_m;
     return std::sqrt(dx * dx + dy * dy);
   };
-  for (std::size_t k = 1; k < path.points.size(); ++k) length_m += leg_m(k);
-  double left_m = d.u[0] * length_m;
+  double left_m = d.u[0] * path_length_m(path);
   std::size_t k = 1;
   while (k + 1 < path.points.size() && left_m > leg_m(k)) left_m -= leg_m(k++);
   const Waypoint &a = path.points[k - 1], &b = path.points[k];

@@ -7,7 +7,6 @@
 #include <cstdint>
 #include <iterator>
 #include <limits>
-#include <optional>
 #include <utility>
 
 #include "common/error.h"
@@ -16,7 +15,6 @@
 #include "common/model/motion.h"
 #include "common/simulator/clutter.h"
 #include "common/simulator/drive.h"
-#include "common/simulator/simulated_walls.h"
 #include "common/simulator/wheel_odometry.h"
 
 namespace parloc {
@@ -260,50 +258,6 @@ Scan take_scan(const Scenario& scenario, const SimulatedLidar& lidar, std::uint3
 }
 
 }  // namespace
-
-SimulatedHit cast_simulated_ray(const GridMap& map, double x_m, double y_m, double angle_rad,
-                                double range_max_m) {
-  const Pose start = relative({x_m, y_m, angle_rad}, map.T_map_grid);  // the ray in the grid frame
-  const SinCos64 direction = portable_sincos64(start.theta_rad);
-  const double cell_m = map.resolution_m;
-  const double none = std::numeric_limits<double>::infinity();
-  const SimulatedHit miss{range_max_m, 0, 0, false};
-  const double u = std::floor(start.x_m / cell_m);
-  const double v = std::floor(start.y_m / cell_m);
-  if (!(u >= 0.0 && v >= 0.0 && u < map.width && v < map.height)) return miss;
-  if (!map.walls.empty()) {
-    const std::optional<double> range_m = cast_at_walls(map.walls, start, range_max_m);
-    return range_m ? SimulatedHit{*range_m, 0, 0, true} : miss;
-  }
-  int i = static_cast<int>(u);
-  int j = static_cast<int>(v);
-  // Distance to the next grid line of each axis, from its integer index: no error accumulates.
-  const bool no_x = std::fabs(direction.cos) < 1e-12;
-  const bool no_y = std::fabs(direction.sin) < 1e-12;
-  const auto next_x_m = [&] {
-    return no_x ? none : ((i + (direction.cos > 0.0 ? 1 : 0)) * cell_m - start.x_m) / direction.cos;
-  };
-  const auto next_y_m = [&] {
-    return no_y ? none : ((j + (direction.sin > 0.0 ? 1 : 0)) * cell_m - start.y_m) / direction.sin;
-  };
-  double tx_m = next_x_m();
-  double ty_m = next_y_m();
-  double t_m = 0.0;
-  while (map.contains(i, j)) {
-    if (map.at(i, j) == Cell::occupied) return {std::fmax(t_m, 0.0), i, j, true};
-    const bool step_x = tx_m < ty_m;
-    t_m = step_x ? tx_m : ty_m;
-    if (t_m >= range_max_m) return miss;
-    if (step_x) {
-      i += direction.cos > 0.0 ? 1 : -1;
-      tx_m = next_x_m();
-    } else {
-      j += direction.sin > 0.0 ? 1 : -1;
-      ty_m = next_y_m();
-    }
-  }
-  return miss;
-}
 
 SimulatedLog simulate(const Scenario& scenario, const GridMap& map,
                       const std::function<bool(double fraction)>& keep_going) {

@@ -10,7 +10,7 @@
 #include <utility>
 
 #include "common/error.h"
-#include "common/map/blocking_cells.h"
+#include "common/map/grid_map.h"
 #include "common/map/rays/skip_field.h"
 #include "common/math/philox.h"
 #include "common/simulator/drive.h"

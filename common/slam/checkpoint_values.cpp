@@ -15,6 +15,8 @@ constexpr std::int32_t kFarthestTile = 1 << 24;
 /// Tiles that are in host memory at once.
 constexpr std::size_t kTilesAtOnce = 256;
 constexpr std::size_t kCells = kTileCells * kTileCells;
+/// Readings of the odometry whose stamps stood still, more than a ContinuousOdometry counts.
+constexpr std::uint64_t kMostStoodStill = 100;
 
 /// from[k] becomes to[k].
 void rename(std::vector<std::uint32_t>& table, const std::vector<std::uint32_t>& from,
@@ -121,6 +123,28 @@ void visit_counts(Use& use, const Visit& visit) {
 }
 }  // namespace
 
+void put_odometry_memory(ByteWriter& w, const std::optional<OdometryMemory>& memory) {
+  w.put_bool(memory.has_value());
+  if (!memory) return;
+  for (const Pose& pose : {memory->raw, memory->pose, memory->step}) put_pose(w, pose);
+  for (const double time_s : {memory->stamp_s, memory->step_s, memory->since_s}) w.put(time_s);
+  w.put_count(static_cast<std::size_t>(memory->stood_still));
+  w.put_bool(memory->rebased);
+}
+std::optional<OdometryMemory> get_odometry_memory(ByteReader& r) {
+  if (!r.get_bool()) return std::nullopt;
+  OdometryMemory memory;
+  for (Pose* pose : {&memory.raw, &memory.pose, &memory.step}) *pose = get_pose(r);
+  for (double* time_s : {&memory.stamp_s, &memory.step_s, &memory.since_s}) {
+    *time_s = r.get<double>();
+    r.expect(std::isfinite(*time_s), "times of the odometry that are numbers");
+  }
+  const auto stood_still = r.get<std::uint64_t>();
+  r.expect(stood_still <= kMostStoodStill, "a count of stamps that can be");
+  memory.stood_still = static_cast<int>(stood_still);
+  memory.rebased = r.get_bool();
+  return memory;
+}
 void put_lidars(ByteWriter& w, const std::vector<LidarUse>& lidars) {
   w.put_each(lidars, [](ByteWriter& out, const LidarUse& use) {
     out.put_text(use.name);
@@ -138,31 +162,19 @@ std::vector<LidarUse> get_lidars(ByteReader& r) {
   });
 }
 
-namespace {
-
-/// Every array of a scan's beams.
-template <class Table, class Visit>
-void visit_arrays(Table& t, const Visit& visit) {
-  for (auto* values : {&t.origin_x, &t.origin_y, &t.direction_x, &t.direction_y, &t.range_m, &t.short_density,
-                       &t.end_x, &t.end_y})
-    visit(*values);
-}
-
-}  // namespace
-
 void put_beams(ByteWriter& w, const BeamTable& beams) {
   w.put_count(beams.count), w.put_count(beams.hits), w.put(beams.range_max_m);
-  visit_arrays(beams, [&](const std::vector<float>& values) { w.put(values); });
+  for (const auto array : kBeamArrays) w.put(beams.*array);
 }
 BeamTable get_beams(ByteReader& r) {
   BeamTable beams;
   beams.count = r.get<std::uint64_t>(), beams.hits = r.get<std::uint64_t>();
   beams.range_max_m = r.get<float>();
   r.expect(beams.hits <= beams.count && beams.count <= kMaxBeams, "a scan");
-  visit_arrays(beams, [&](std::vector<float>& values) {
-    values = get_floats(r, beams.count);
-    for (const float v : values) r.expect(std::fabs(v) <= 1e6f, "beams of a length that can be");
-  });
+  for (const auto array : kBeamArrays) {
+    beams.*array = get_floats(r, beams.count);
+    for (const float v : beams.*array) r.expect(std::fabs(v) <= 1e6f, "beams of a length that can be");
+  }
   measure_origins(beams);
   return beams;
 }

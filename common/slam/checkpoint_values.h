@@ -2,12 +2,14 @@
 // checked as far as computing with it needs; get_... throw Error{input}.
 #pragma once
 
+#include <optional>
 #include <vector>
 
 #include "common/file/bytes.h"
 #include "common/math/pose.h"
 #include "common/model/beam_counts.h"
 #include "common/model/beams.h"
+#include "common/model/continuous_odometry.h"
 #include "common/model/trajectory.h"
 #include "common/slam/scan_odometry.h"
 #include "common/slam/slam_backend.h"
@@ -20,6 +22,9 @@ void put_trajectory(ByteWriter& w, const Trajectory& trajectory);
 Trajectory get_trajectory(ByteReader& r);
 /// Of an OdometryTrack.
 std::vector<StampedPose> get_readings(ByteReader& r);
+/// Of a ContinuousOdometry.
+void put_odometry_memory(ByteWriter& w, const std::optional<OdometryMemory>& memory);
+std::optional<OdometryMemory> get_odometry_memory(ByteReader& r);
 void put_lidars(ByteWriter& w, const std::vector<LidarUse>& lidars);
 std::vector<LidarUse> get_lidars(ByteReader& r);
 
@@ -40,5 +45,11 @@ bool on_map(const TileSpan& span, double resolution_m, double x_m, double y_m);
 void put_backend(ByteWriter& w, const SlamBackend& backend);
 /// Into a backend of that configuration.
 const SlamStep& get_backend(ByteReader& r, SlamBackend& backend, const SlamConfig& config);
+
+/// What stands around the content of a checkpoint; SlamCheckpoint, where these are defined, checks it. Before
+/// it magic and version; then come settings as YAML, the caller's own bytes, and the state; behind it a
+/// checksum.
+void put_checkpoint_begin(ByteWriter& w);
+void put_checkpoint_end(ByteWriter& w);
 
 }  // namespace parloc

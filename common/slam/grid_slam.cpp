@@ -9,7 +9,6 @@
 #include "common/file/output_file.h"
 #include "common/filter/step_front_end.h"
 #include "common/math/sha256.h"
-#include "common/slam/checkpoint_frame.h"
 #include "common/slam/checkpoint_values.h"
 #include "common/slam/loops/close_loops.h"
 #include "common/slam/path_tree.h"
@@ -105,10 +104,7 @@ struct GridSlam::State {
   /// Puts the scan's own odometry, if so set, in place of the recorded one; whether the scan is one to take
   /// in.
   bool next_odometry(Pose& now, const Scan& scan) {
-    if (!scan_odometry) {
-      front_end.add_odometry(scan.stamp_s, now);
-      return far_enough(now) && take_in(scan);
-    }
+    if (!scan_odometry) return far_enough(now) && take_in(scan);
     const bool enough = take_in(scan);
     now = scan_odometry->step(scan.stamp_s, beams, front_end.lidar_of(scan), enough);
     front_end.add_odometry(scan.stamp_s, now);
@@ -166,9 +162,10 @@ void GridSlam::save(const std::string& path, const std::string& own) const {
 void GridSlam::State::save(ByteWriter& w) const {
   put_backend(w, *backend);
   put_trajectory(w, front_end.track().readings());
-  put_lidars(w, front_end.intake().used());
+  put_lidars(w, front_end.lidars_used());
   w.put_bool(front_end.odometry().has_value());
   if (front_end.odometry()) put_pose(w, *front_end.odometry());
+  put_odometry_memory(w, front_end.continuous().memory());
   w.put_each(moments, put_moment);
   w.put_each(odometry_of, put_pose);
   w.put_each(records, put_record);
@@ -181,8 +178,9 @@ void GridSlam::State::save(ByteWriter& w) const {
 void GridSlam::State::load(ByteReader& r) {
   last = &get_backend(r, *backend, config.slam);
   front_end.track().set_readings(get_readings(r));
-  front_end.intake().set_used(get_lidars(r));
+  front_end.set_lidars_used(get_lidars(r));
   if (r.get_bool()) front_end.set_odometry(get_pose(r));
+  front_end.continuous().restore(get_odometry_memory(r));
   moments = r.get_each(41, get_moment);
   odometry_of = r.get_each(24, get_pose);
   records = r.get_each(33, get_record);
@@ -209,16 +207,21 @@ void GridSlam::add_odometry(double stamp_s, const Pose& odometry) {
 bool GridSlam::step(const Pose& recorded, const Scan& scan) {
   State& s = *state_;
   Pose odometry = recorded;
-  if (!s.scan_odometry && !s.front_end.accept(odometry)) return false;
+  if (!s.scan_odometry) {
+    const std::optional<OdometryReading> reading = s.front_end.take_odometry(scan.stamp_s, recorded);
+    if (!reading) return false;
+    odometry = reading->pose;
+  }
   const bool counts = s.next_odometry(odometry, scan);
   if (!counts) {
     if (s.front_end.odometry()) s.moments.push_back({scan.stamp_s, odometry, s.records.size() - 1, false});
     return false;
   }
-  const OdometryIncrement u = s.front_end.move_to(odometry).increment;
+  Movement movement = s.front_end.move_to(odometry);
+  movement.elapsed_s = 0.0;  // the pose is improved by the scan: time alone adds no noise
   const RandomKey key{s.config.seed, static_cast<std::uint32_t>(s.records.size())};
-  s.sub_maps.give_back(*s.backend, std::fabs(u.trans_m));
-  s.backend->move(motion_step(u, s.config.motion), key, s.beams);
+  s.sub_maps.give_back(*s.backend, std::fabs(movement.increment.trans_m));
+  s.backend->move(motion_step(movement, s.config.motion), key, s.beams);
   s.sub_maps.make_room(*s.backend);
   s.last = &s.backend->write();
   s.odometry_of.push_back(odometry);
@@ -360,13 +363,16 @@ std::optional<ScanOdometryCounts> GridSlam::scan_odometry() const {
   return s.scan_odometry ? std::optional(s.scan_odometry->state().counts) : std::nullopt;
 }
 const std::vector<LidarUse>& GridSlam::lidars_used() const {
-  return state_->front_end.intake().used();
+  return state_->front_end.lidars_used();
 }
 const GridSlamConfig& GridSlam::config() const {
   return state_->config;
 }
+std::size_t GridSlam::odometry_jumps() const {
+  return state_->front_end.continuous().jumps();
+}
 std::size_t GridSlam::odometry_invalid() const {
-  return state_->front_end.invalid();
+  return state_->front_end.continuous().invalid();
 }
 std::string GridSlam::backend_name() const {
   return state_->backend->name();

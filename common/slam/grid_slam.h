@@ -87,6 +87,7 @@ class GridSlam {
   /// What became of the scans; nothing with recorded odometry.
   std::optional<ScanOdometryCounts> scan_odometry() const;
   const std::vector<LidarUse>& lidars_used() const;  ///< By LiDAR, in the order in which they came.
+  std::size_t odometry_jumps() const;                ///< Of the steps (ContinuousOdometry), this run's alone.
   std::size_t odometry_invalid() const;              ///< Scans skipped because their odometry was not finite.
   const GridSlamConfig& config() const;
   std::string backend_name() const;

@@ -15,7 +15,7 @@
 #include "common/error.h"
 #include "common/file/bytes.h"
 #include "common/settings/read_settings.h"
-#include "common/slam/checkpoint_frame.h"
+#include "common/slam/checkpoint_values.h"
 #include "common/slam/slam_backend.h"
 #include "common/slam/slam_settings.h"
 
@@ -25,7 +25,7 @@ namespace {
 // Magic, version (32 bits), content, SHA-256 of all that in hexadecimal.
 constexpr std::string_view kMagic = "parloc slam checkpoint\n";
 /// To be raised with every change of what is written, here and in GridSlam.
-constexpr std::uint32_t kVersion = 3;
+constexpr std::uint32_t kVersion = 4;
 constexpr std::size_t kHeadBytes = kMagic.size() + sizeof kVersion;
 constexpr std::size_t kChecksumBytes = 64;
 

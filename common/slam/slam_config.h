@@ -6,7 +6,7 @@
 
 namespace parloc {
 
-/// Of a scan: so many fit a cell's counters (common/slam/matching/cell.h).
+/// Of a scan: so many fit a cell's counters (common/slam/matching/tiles.h).
 constexpr std::size_t kMostSlamBeams = 1024;
 
 /// Where a particle's next pose comes from (SPEC 9.3).

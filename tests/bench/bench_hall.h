@@ -1,7 +1,9 @@
-// What the benchmarks of steps share: the place, and whether a GPU answers.
+// What the benchmarks of steps share: the place, the clock, main(), and whether a GPU answers.
 #pragma once
 
-#include <string>
+#include <benchmark/benchmark.h>
+
+#include <chrono>
 
 #include "common/error.h"
 #include "common/filter/filter_backend.h"
@@ -48,6 +50,33 @@ inline bool cuda_answers() {
   } catch (const Error&) {
     return false;
   }
+}
+
+inline void count(benchmark::State& state, const char* name, double per_iteration) {
+  state.counters[name] = benchmark::Counter(per_iteration, benchmark::Counter::kIsIterationInvariantRate);
+}
+
+/// Times `work` by the wall clock; `restore` runs before each iteration, outside of it.
+template <class Restore, class Work>
+void time_alone(benchmark::State& state, const Restore& restore, const Work& work) {
+  using Clock = std::chrono::steady_clock;
+  for (auto _ : state) {
+    restore();
+    const Clock::time_point begun = Clock::now();
+    work();
+    state.SetIterationTime(std::chrono::duration<double>(Clock::now() - begun).count());
+  }
+}
+
+/// The main() of a program whose benchmarks `add` registers.
+template <class Add>
+int run_benchmarks(int argc, char** argv, const Add& add) {
+  benchmark::Initialize(&argc, argv);
+  if (benchmark::ReportUnrecognizedArguments(argc, argv)) return 2;
+  add();
+  benchmark::RunSpecifiedBenchmarks();
+  benchmark::Shutdown();
+  return 0;
 }
 
 }  // namespace parloc::bench

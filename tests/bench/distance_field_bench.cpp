@@ -6,9 +6,7 @@
 #include <benchmark/benchmark.h>
 #include <sys/resource.h>
 
-#include <cstdint>
 #include <random>
-#include <vector>
 
 #include "common/map/rays/skip_field.h"
 #include "tests/unit/measured_field.h"

@@ -4,9 +4,6 @@
 // The place is that of stage_bench: the hall with obstacles, an 8 m LiDAR of 270 degrees, a scan simulated
 // against the map of 1 cm; 360 of its beams. The robot goes to and fro by 5 cm, so that every iteration has
 // motion and starts near where the one before began. RayWall clock.
-#include <benchmark/benchmark.h>
-
-#include <string>
 
 #include "common/config/config.h"
 #include "common/config/pose_filters.h"
@@ -39,7 +36,7 @@ void step(benchmark::State& state, const std::string& name, BackendChoice backen
     benchmark::DoNotOptimize(filter->step({forward ? 0.05 : 0.0, 0.0, 0.0}, place.scan));
   }
   if (!filter->why_skipped().empty()) state.SkipWithError(filter->why_skipped().c_str());
-  state.counters["steps/s"] = benchmark::Counter(1, benchmark::Counter::kIsIterationInvariantRate);
+  count(state, "steps/s", 1.0);
   state.SetLabel(filter->backend_name());
 }
 
@@ -80,16 +77,13 @@ void add_backend(BackendChoice backend, int threads) {
 }  // namespace
 
 int main(int argc, char** argv) {
-  benchmark::Initialize(&argc, argv);
-  if (benchmark::ReportUnrecognizedArguments(argc, argv)) return 2;
-  for (const bool remembered : {false, true})
-    benchmark::RegisterBenchmark(remembered ? "beams/remembered" : "beams",
-                                 [=](benchmark::State& state) { beams(state, remembered); })
-        ->UseRealTime()
-        ->Unit(benchmark::kMicrosecond);
-  for (const int threads : {1, 2}) add_backend(BackendChoice::cpu, threads);
-  if (cuda_answers()) add_backend(BackendChoice::cuda, 1);
-  benchmark::RunSpecifiedBenchmarks();
-  benchmark::Shutdown();
-  return 0;
+  return run_benchmarks(argc, argv, [] {
+    for (const bool remembered : {false, true})
+      benchmark::RegisterBenchmark(remembered ? "beams/remembered" : "beams",
+                                   [=](benchmark::State& state) { beams(state, remembered); })
+          ->UseRealTime()
+          ->Unit(benchmark::kMicrosecond);
+    for (const int threads : {1, 2}) add_backend(BackendChoice::cpu, threads);
+    if (cuda_answers()) add_backend(BackendChoice::cuda, 1);
+  });
 }

@@ -9,13 +9,10 @@
 
 #include <algorithm>
 #include <chrono>
-#include <cmath>
 #include <cstdio>
 #include <ctime>
 #include <fstream>
 #include <map>
-#include <string>
-#include <vector>
 
 #include "common/error.h"
 #include "common/eval/metrics.h"

@@ -6,14 +6,7 @@
 // the work of the next one is restored, outside the clock; only random numbers are new. Cells go on counting,
 // and are halved when they are full. RayWall clock; some minutes for all, on a machine with nothing else to
 // do.
-#include <benchmark/benchmark.h>
-
-#include <algorithm>
-#include <chrono>
-#include <cmath>
 #include <random>
-#include <string>
-#include <vector>
 
 #include "common/filter/bind.h"
 #include "common/model/motion.h"
@@ -25,7 +18,6 @@ namespace {
 
 using namespace parloc;
 using namespace parloc::bench;
-using Clock = std::chrono::steady_clock;
 
 constexpr int kBeams = 180;
 
@@ -187,15 +179,9 @@ struct Case {
 
 template <class Restore, class Work>
 void measure(benchmark::State& state, const Rig& rig, const Restore& restore, const Work& work) {
-  for (auto _ : state) {
-    restore();
-    const Clock::time_point begun = Clock::now();
-    work();
-    state.SetIterationTime(std::chrono::duration<double>(Clock::now() - begun).count());
-  }
+  time_alone(state, restore, work);
   state.counters["tiles"] = static_cast<double>(rig.store.used(rig.workers));
-  state.counters["particles/s"] =
-      benchmark::Counter(static_cast<double>(rig.n), benchmark::Counter::kIsIterationInvariantRate);
+  count(state, "particles/s", static_cast<double>(rig.n));
 }
 
 void propose(benchmark::State& state, const Case& c) {
@@ -286,27 +272,25 @@ void add_step(BackendChoice choice, const Case& c) {
       ->Unit(benchmark::kMillisecond);
 }
 
+void add_all(const Case& c, bool on_gpu) {
+  for (const SlamProposal p : {SlamProposal::motion, SlamProposal::scan_match, SlamProposal::gaussian}) {
+    const Case proposing{c.particles, c.threads, p};
+    add(std::string("propose/") + name_of(p), propose, proposing);
+    add_step(BackendChoice::cpu, proposing);
+    if (on_gpu) add_step(BackendChoice::cuda, proposing);
+  }
+  add("inherit_tiles", inherit_tiles, c);
+  add("mark_tiles", mark_tiles, c);
+  add("assign_tiles", assign_tiles, c);
+  add("register_scan", register_scan, c);
+}
+
 }  // namespace
 
 int main(int argc, char** argv) {
-  benchmark::Initialize(&argc, argv);
-  if (benchmark::ReportUnrecognizedArguments(argc, argv)) return 2;
-  const bool gpu = cuda_answers();
-  for (const std::size_t particles : {30u, 1000u})
-    for (const int threads : {1, 2}) {
-      const Case c{particles, threads};
-      for (const SlamProposal p : {SlamProposal::motion, SlamProposal::scan_match, SlamProposal::gaussian}) {
-        const Case proposing{particles, threads, p};
-        add(std::string("propose/") + name_of(p), propose, proposing);
-        add_step(BackendChoice::cpu, proposing);
-        if (gpu && threads == 1) add_step(BackendChoice::cuda, proposing);
-      }
-      add("inherit_tiles", inherit_tiles, c);
-      add("mark_tiles", mark_tiles, c);
-      add("assign_tiles", assign_tiles, c);
-      add("register_scan", register_scan, c);
-    }
-  benchmark::RunSpecifiedBenchmarks();
-  benchmark::Shutdown();
-  return 0;
+  return run_benchmarks(argc, argv, [] {
+    const bool gpu = cuda_answers();
+    for (const std::size_t particles : {30u, 1000u})
+      for (const int threads : {1, 2}) add_all({particles, threads}, gpu && threads == 1);
+  });
 }

@@ -6,17 +6,11 @@
 // last one changed is restored, outside the clock, so that all iterations do the same work; only random
 // numbers are new each time, or the branch predictor would know 4000 of them by heart. The clock runs
 // until finish() has returned, that is until a device is done. Times are wall clock (UseManualTime).
-#include <benchmark/benchmark.h>
-
-#include <chrono>
 #include <map>
-#include <memory>
-#include <string>
-#include <vector>
 
 #include "common/filter/bind.h"
 #include "common/filter/start.h"
-#include "common/map/blocking_cells.h"
+#include "common/map/grid_map.h"
 #include "common/map/rays/skip_field.h"
 #include "cpu/stages.h"
 #include "tests/bench/bench_hall.h"
@@ -25,7 +19,6 @@ namespace {
 
 using namespace parloc;
 using namespace parloc::bench;
-using Clock = std::chrono::steady_clock;
 
 const Place& hall() {
   static const Place place = hall_with_scan(541);
@@ -111,14 +104,8 @@ class Rig {
   /// Times `work`; `restore` runs before each iteration, outside the clock.
   template <class Restore, class Work>
   void measure(benchmark::State& state, const Restore& restore, const Work& work) {
-    for (auto _ : state) {
-      restore();
-      backend->finish();
-      const Clock::time_point begun = Clock::now();
-      work();
-      last = backend->finish();
-      state.SetIterationTime(std::chrono::duration<double>(Clock::now() - begun).count());
-    }
+    time_alone(
+        state, [&] { restore(), backend->finish(); }, [&] { work(), last = backend->finish(); });
     count(state, "particles/s", static_cast<double>(config_.particles));
     state.SetLabel(backend->name());
   }
@@ -137,9 +124,6 @@ class Rig {
       motion_step(odometry_increment({0, 0, 0}, {0.05, 0.0, 0.02}, 0.01), MotionConfig{});
 
  private:
-  static void count(benchmark::State& state, const char* name, double per_iteration) {
-    state.counters[name] = benchmark::Counter(per_iteration, benchmark::Counter::kIsIterationInvariantRate);
-  }
   Case config_;
   std::string why_;
   std::uint32_t step_ = 0;
@@ -335,14 +319,11 @@ void add_backend(BackendChoice backend, int threads) {
 }  // namespace
 
 int main(int argc, char** argv) {
-  benchmark::Initialize(&argc, argv);
-  if (benchmark::ReportUnrecognizedArguments(argc, argv)) return 2;
-  std::string devices;
-  for (const std::string& line : describe_devices()) devices += (devices.empty() ? "" : "; ") + line;
-  benchmark::AddCustomContext("devices", devices);
-  for (const int threads : {1, 2}) add_backend(BackendChoice::cpu, threads);
-  if (cuda_answers()) add_backend(BackendChoice::cuda, 1);
-  benchmark::RunSpecifiedBenchmarks();
-  benchmark::Shutdown();
-  return 0;
+  return run_benchmarks(argc, argv, [] {
+    std::string devices;
+    for (const std::string& line : describe_devices()) devices += (devices.empty() ? "" : "; ") + line;
+    benchmark::AddCustomContext("devices", devices);
+    for (const int threads : {1, 2}) add_backend(BackendChoice::cpu, threads);
+    if (cuda_answers()) add_backend(BackendChoice::cuda, 1);
+  });
 }

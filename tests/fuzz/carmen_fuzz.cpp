@@ -1,17 +1,12 @@
 // The CARMEN reader on any bytes: every record is finite where it must be, and what is written is read back.
 #include <cmath>
-#include <cstdint>
-#include <cstdlib>
-#include <string>
 
-#include "common/error.h"
 #include "common/io/log.h"
+#include "tests/fuzz/one_line.h"
 
 namespace {
 
-void require(bool holds) {
-  if (!holds) std::abort();
-}
+using parloc::fuzz::require;
 
 bool finite(const parloc::Pose& pose) {
   return std::isfinite(pose.x_m) && std::isfinite(pose.y_m) && std::fabs(pose.theta_rad) < 3.2;
@@ -31,8 +26,7 @@ void check(const parloc::LogRecord& record, std::size_t input_size) {
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   try {
-    const auto reader =
-        parloc::carmen_log_from_text(std::string(reinterpret_cast<const char*>(data), size), "fuzz");
+    const auto reader = parloc::carmen_log_from_text(parloc::fuzz::text_of(data, size), "fuzz");
     parloc::LogRecord record;
     std::size_t records = 0;
     while (reader->next(record)) {

@@ -1,15 +1,9 @@
 // Any bytes are a state of grid SLAM that can be gone on from, or an Error{input} of one line. Tried as they
 // are, and as the content of a checkpoint whose checksum fits.
-#include <cstddef>
-#include <cstdint>
-#include <cstdlib>
-#include <string>
-#include <utility>
-
-#include "common/error.h"
 #include "common/file/bytes.h"
-#include "common/slam/checkpoint_frame.h"
+#include "common/slam/checkpoint_values.h"
 #include "common/slam/grid_slam.h"
+#include "tests/fuzz/one_line.h"
 
 namespace {
 
@@ -20,17 +14,13 @@ bool is_small(const parloc::GridSlamConfig& c) {
 }
 
 parloc::Scan some_scan() {
-  parloc::Scan scan;
-  scan.stamp_s = 200.0;
-  scan.angle_step_rad = 0.1;
-  scan.range_max_m = 8.0;
-  scan.scan_time_s = 0.05;
+  parloc::Scan scan{.stamp_s = 200.0, .angle_step_rad = 0.1, .range_max_m = 8.0, .scan_time_s = 0.05};
   for (int k = 0; k < 60; ++k) scan.ranges_m.push_back(0.5f + 0.03f * static_cast<float>(k));
   return scan;
 }
 
 void go_on(std::string bytes) {
-  try {
+  parloc::fuzz::reads_or_says_why(parloc::ErrorKind::input, [&] {
     parloc::SlamCheckpoint checkpoint(std::move(bytes), "fuzz");
     checkpoint.config.backend = parloc::BackendChoice::cpu;
     checkpoint.config.threads = 1;
@@ -40,10 +30,7 @@ void go_on(std::string bytes) {
     (void)slam.trajectory();
     (void)slam.distinct_ancestors();
     if (small && !slam.records().empty()) (void)slam.map();
-  } catch (const parloc::Error& e) {
-    if (e.kind() != parloc::ErrorKind::input) std::abort();
-    if (std::string(e.what()).find('\n') != std::string::npos) std::abort();
-  }
+  });
 }
 
 std::string sealed(const std::string& content) {
@@ -59,7 +46,7 @@ std::string sealed(const std::string& content) {
 }  // namespace
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
-  const std::string bytes(reinterpret_cast<const char*>(data), size);
+  const std::string bytes = parloc::fuzz::text_of(data, size);
   go_on(bytes);
   go_on(sealed(bytes));
   return 0;

@@ -1,6 +1,5 @@
 // Any bytes are a PNG image with all of its pixels, or an Error{input} of one line. Each input is read as it
 // is, and once more with the checksums of its chunks put right: behind a wrong one, libpng looks at nothing.
-#include <vector>
 
 #include "tests/fuzz/image_fuzz.h"
 

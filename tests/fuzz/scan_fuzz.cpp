@@ -1,20 +1,14 @@
 // Any text is a scan file whose values can be computed with, or an Error{input} of one line; and where it was
 // taken can be searched for.
 #include <cmath>
-#include <cstddef>
-#include <cstdint>
-#include <cstdlib>
-#include <string>
 
-#include "common/error.h"
 #include "common/io/scan_file.h"
 #include "common/search/global_search.h"
+#include "tests/fuzz/one_line.h"
 
 namespace {
 
-void require(bool holds) {
-  if (!holds) std::abort();
-}
+using parloc::fuzz::require;
 
 parloc::GlobalSearch small_search() {
   parloc::SearchConfig config;
@@ -37,18 +31,14 @@ void search(const parloc::Scan& scan) {
 }  // namespace
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
-  try {
-    const parloc::Scan scan =
-        parloc::scan_from_text(std::string(reinterpret_cast<const char*>(data), size), "fuzz");
+  parloc::fuzz::reads_or_says_why(parloc::ErrorKind::input, [&] {
+    const parloc::Scan scan = parloc::scan_from_text(parloc::fuzz::text_of(data, size), "fuzz");
     require(!scan.ranges_m.empty() && scan.ranges_m.size() <= size);
     require(std::isfinite(scan.T_base_sensor.x_m) && std::isfinite(scan.T_base_sensor.y_m) &&
             std::fabs(scan.T_base_sensor.theta_rad) < 3.2);
     require(std::isfinite(scan.stamp_s) && std::fabs(scan.angle_min_rad) < 13.0 &&
             std::fabs(scan.angle_step_rad) < 6.3);
     search(scan);
-  } catch (const parloc::Error& e) {
-    require(e.kind() == parloc::ErrorKind::input);
-    require(std::string(e.what()).find('\n') == std::string::npos);
-  }
+  });
   return 0;
 }

@@ -4,19 +4,13 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdlib>
-#include <string>
 
-#include "common/error.h"
 #include "common/map/segment_map.h"
+#include "tests/fuzz/one_line.h"
 
 namespace parloc::fuzz {
 
 using SegmentReader = SegmentMap (*)(const std::string& text, const std::string& name);
-
-inline void require(bool holds) {
-  if (!holds) std::abort();
-}
 
 /// Cells are made for what is small: the time of an input should go to its text.
 inline bool small(const SegmentMap& segments) {
@@ -45,7 +39,7 @@ inline void check_placed(const SegmentMap& segments) {
 }
 
 inline void check_segments(SegmentReader read, const std::string& text) {
-  try {
+  reads_or_says_why(ErrorKind::input, [&] {
     is_segment_text(text, "fuzz");
     const SegmentMap segments = read(text, "fuzz");
     require(!segments.lines.empty() && segments.lines.size() <= text.size());
@@ -55,9 +49,7 @@ inline void check_segments(SegmentReader read, const std::string& text) {
         require(std::fabs(v) <= kFarthestWall_m);
     }
     if (small(segments)) check_placed(segments);
-  } catch (const Error& e) {
-    require(e.kind() == ErrorKind::input && std::string(e.what()).find('\n') == std::string::npos);
-  }
+  });
 }
 
 }  // namespace parloc::fuzz

@@ -1,25 +1,15 @@
 // The TUM reader on any bytes: an error, or poses that are all usable; and the metrics on them stay defined.
 #include <cmath>
-#include <cstdint>
-#include <cstdlib>
-#include <string>
 
-#include "common/error.h"
 #include "common/eval/metrics.h"
 #include "common/io/trajectory.h"
+#include "tests/fuzz/one_line.h"
 
-namespace {
-
-void require(bool holds) {
-  if (!holds) std::abort();
-}
-
-}  // namespace
+using parloc::fuzz::require;
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   try {
-    const parloc::Trajectory track =
-        parloc::tum_from_text(std::string(reinterpret_cast<const char*>(data), size), "fuzz");
+    const parloc::Trajectory track = parloc::tum_from_text(parloc::fuzz::text_of(data, size), "fuzz");
     require(!track.empty() && track.size() <= size);
     for (const auto& [stamp_s, pose] : track) {
       require(std::isfinite(stamp_s) && std::isfinite(pose.x_m) && std::isfinite(pose.y_m));

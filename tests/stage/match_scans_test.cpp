@@ -140,11 +140,7 @@ TEST(MatchScans, InstructionSetDoesNotMatter) {
 
 TEST(MatchScans, GpuEqualsCpu) {
   std::unique_ptr<ScanMatcher> gpu;
-  try {
-    gpu = make_scan_matcher(BackendChoice::cuda, config(1));
-  } catch (const Error& e) {
-    PARLOC_WITHOUT_GPU(e);
-  }
+  PARLOC_NEEDS_GPU(gpu = make_scan_matcher(BackendChoice::cuda, config(1)));
   expect_same(by_one_thread(), run(*gpu));
 }
 

@@ -1,9 +1,6 @@
 // The map on which backends are compared.
 #pragma once
 
-#include <string>
-#include <vector>
-
 #include "common/map/grid_map.h"
 
 namespace parloc::test {

@@ -5,10 +5,8 @@
 
 #include <array>
 #include <bit>
-#include <cstring>
 #include <iomanip>
 #include <span>
-#include <vector>
 
 #include "common/filter/filter_backend.h"
 

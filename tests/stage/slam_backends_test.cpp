@@ -3,10 +3,7 @@
 // ancestors and maps.
 #include <gtest/gtest.h>
 
-#include <algorithm>
-#include <ostream>
 #include <sstream>
-#include <string>
 
 #include "common/file/bytes.h"
 #include "common/slam/checkpoint_values.h"
@@ -98,8 +95,8 @@ void expect_same(const Trace& a, const Trace& b) {
 GridMap corridor_with_posts() {
   std::vector<std::string> rows(40, std::string(600, '.'));
   rows.front() = rows.back() = std::string(600, '#');
-  for (std::size_t i = 0; i < 600;
-       ++i)  // posts on both walls, without which a scan says nothing of the distance
+  // Posts on both walls, without which a scan says nothing of the distance.
+  for (std::size_t i = 0; i < 600; ++i)
     if (i % 16 < 3 || i % 23 < 2) rows[1][i] = rows[2][i] = rows[37][i] = rows[38][i] = '#';
   return grid_from_text(rows, 0.05);
 }
@@ -115,8 +112,9 @@ bool has_visits(const SlamCells& map, std::int32_t i0, std::int32_t j0) {
 }
 
 struct Variant {
+  const char* name;
   SlamProposal proposal;
-  bool search;  ///< Wide, before the matcher climbs.
+  bool search = false;  ///< Wide, before the matcher climbs.
 };
 
 class SlamBackends : public testing::TestWithParam<Variant> {
@@ -289,12 +287,8 @@ TEST_P(SlamBackends, WhatIsTakenOverReplacesWhatWas) {
 
 TEST_P(SlamBackends, GpuEqualsCpu) {
   std::unique_ptr<SlamBackend> gpu;
-  try {
-    std::string why;
-    gpu = make_slam_backend(BackendChoice::cuda, config(40, 1), why);
-  } catch (const Error& e) {
-    PARLOC_WITHOUT_GPU(e);
-  }
+  std::string why;
+  PARLOC_NEEDS_GPU(gpu = make_slam_backend(BackendChoice::cuda, config(40, 1), why));
   const Trace whole = cpu(40, 2);
   expect_same(whole, run(*gpu, config(40, 1)));
   const auto host = make_cpu_slam_backend(config(40, 2));
@@ -303,20 +297,13 @@ TEST_P(SlamBackends, GpuEqualsCpu) {
   expect_same(whole, run(*gpu, config(40, 2), 7, host.get()));
 }
 
-std::string name_of(const testing::TestParamInfo<Variant>& tested) {
-  const SlamProposal p = tested.param.proposal;
-  const std::string name = p == SlamProposal::motion       ? "motion"
-                           : p == SlamProposal::scan_match ? "scan_match"
-                                                           : "gaussian";
-  return tested.param.search ? name + "_search" : name;
-}
 INSTANTIATE_TEST_SUITE_P(All, SlamBackends,
-                         testing::Values(Variant{SlamProposal::motion, false},
-                                         Variant{SlamProposal::scan_match, false},
-                                         Variant{SlamProposal::gaussian, false},
-                                         Variant{SlamProposal::scan_match, true},
-                                         Variant{SlamProposal::gaussian, true}),
-                         name_of);
+                         testing::Values(Variant{"motion", SlamProposal::motion},
+                                         Variant{"scan_match", SlamProposal::scan_match},
+                                         Variant{"gaussian", SlamProposal::gaussian},
+                                         Variant{"scan_match_search", SlamProposal::scan_match, true},
+                                         Variant{"gaussian_search", SlamProposal::gaussian, true}),
+                         [](const auto& one) { return std::string(one.param.name); });
 
 }  // namespace
 }  // namespace parloc

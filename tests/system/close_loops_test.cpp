@@ -5,10 +5,6 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
-#include <cmath>
-#include <random>
-#include <string>
-#include <vector>
 
 #include "common/error.h"
 #include "common/eval/metrics.h"
@@ -37,27 +33,16 @@ const Ring& ring() {
   return made;
 }
 
-/// Ranges are off by 3 cm, steps of the odometry by a hundredth and 0.2 degrees.
-RingDrive drive(const Ring& along, double length_m) {
-  std::mt19937 random(7);
-  const auto noise = [&] { return static_cast<double>(random()) / 2147483648.0 - 1.0; };
-  return drive_along(
-      along, length_m,
-      [&](int, Pose step) {
-        step.x_m *= 0.99, step.theta_rad += 0.0035 * noise();
-        return step;
-      },
-      [&](double range_m) { return range_m + 0.03 * noise(); });
-}
 /// Once around and 15 m more, where the robot sees again what it saw.
 const RingDrive& round_and_more() {
-  static const RingDrive d = drive(ring(), kRound_m + 15.0);
+  static const RingDrive d = noisy_drive_along(ring(), kRound_m + 15.0);
   return d;
 }
 /// The same on a smaller ring, for bits.
 const RingDrive& small_round() {
   constexpr double kSmall_m = 8.0;
-  static const RingDrive d = drive(made_ring(kSmall_m, Posts::uneven), 2.0 * kPi * kSmall_m + 15.0);
+  static const RingDrive d =
+      noisy_drive_along(made_ring(kSmall_m, Posts::uneven), 2.0 * kPi * kSmall_m + 15.0);
   return d;
 }
 
@@ -72,17 +57,9 @@ GridSlamConfig config(bool close, int threads = 1) {
   return c;
 }
 
-void run(GridSlam& slam, const RingDrive& d, std::size_t begin, std::size_t end) {
-  for (std::size_t k = begin; k < end; ++k) slam.step(d.odometry[k], d.scans[k]);
-}
 const GridSlam& made(bool close) {
-  static const auto make = [](bool with) {
-    auto* slam = new GridSlam(config(with));
-    run(*slam, round_and_more(), 0, round_and_more().scans.size());
-    return slam;
-  };
-  static const GridSlam* const open = make(false);
-  static const GridSlam* const closed = make(true);
+  static const auto open = mapped(config(false), round_and_more());
+  static const auto closed = mapped(config(true), round_and_more());
   return close ? *closed : *open;
 }
 
@@ -156,13 +133,11 @@ TEST(CloseLoops, WhatTheParticleHasIsLeftAsItIs) {
 }
 
 TEST(CloseLoops, WithoutALoopNothingIsMoved) {
-  const RingDrive half = drive(ring(), 0.5 * kRound_m);
-  GridSlam open(config(false)), closed(config(true));
-  run(open, half, 0, half.scans.size());
-  run(closed, half, 0, half.scans.size());
-  EXPECT_EQ(closed.digest(), open.digest());
-  EXPECT_EQ(closed.loops().value().used, 0u);
-  EXPECT_EQ(closed.loops().value().most_moved_m, 0.0);
+  const RingDrive half = noisy_drive_along(ring(), 0.5 * kRound_m);
+  const auto closed = mapped(config(true), half);
+  EXPECT_EQ(closed->digest(), mapped(config(false), half)->digest());
+  EXPECT_EQ(closed->loops().value().used, 0u);
+  EXPECT_EQ(closed->loops().value().most_moved_m, 0.0);
 }
 
 // Posts that repeat exactly fit as well a period on; without posts all places look the same. A loop that is
@@ -170,11 +145,10 @@ TEST(CloseLoops, WithoutALoopNothingIsMoved) {
 TEST(CloseLoops, WhatRepeatsDoesNoHarm) {
   for (const Posts posts : {Posts::even, Posts::none}) {
     SCOPED_TRACE(static_cast<int>(posts));
-    const RingDrive d = drive(made_ring(kRadius_m, posts), kRound_m + 15.0);
-    GridSlam slam(config(true));
-    run(slam, d, 0, d.scans.size());
-    const TrackErrors open = compare_tracks(slam.trajectory_so_far(), d.truth);
-    const TrackErrors closed = compare_tracks(slam.trajectory(), d.truth);
+    const RingDrive d = noisy_drive_along(made_ring(kRadius_m, posts), kRound_m + 15.0);
+    const auto slam = mapped(config(true), d);
+    const TrackErrors open = compare_tracks(slam->trajectory_so_far(), d.truth);
+    const TrackErrors closed = compare_tracks(slam->trajectory(), d.truth);
     RecordProperty("open_m", std::to_string(open.position_rmse_m));
     RecordProperty("closed_m", std::to_string(closed.position_rmse_m));
     EXPECT_LE(closed.position_rmse_m, 1.05 * open.position_rmse_m);
@@ -187,27 +161,19 @@ std::string bits_of(const GridSlam& slam) {
   return slam.digest();
 }
 const std::string& small_bits() {
-  static const std::string bits = [] {
-    GridSlam slam(config(true));
-    run(slam, small_round(), 0, small_round().scans.size());
-    return bits_of(slam);
-  }();
+  static const std::string bits = bits_of(*mapped(config(true), small_round()));
   return bits;
 }
 
 TEST(CloseLoops, SameBitsWithAnyInstructionSet) {
   for (const cpu::Simd set : test::instruction_sets()) {
     const test::SimdLimit limit(set);
-    GridSlam slam(config(true));
-    run(slam, small_round(), 0, small_round().scans.size());
-    EXPECT_EQ(bits_of(slam), small_bits());
+    EXPECT_EQ(bits_of(*mapped(config(true), small_round())), small_bits());
   }
 }
 
 TEST(CloseLoops, SameBitsAtAnyNumberOfThreads) {
-  GridSlam slam(config(true, 3));
-  run(slam, small_round(), 0, small_round().scans.size());
-  EXPECT_EQ(bits_of(slam), small_bits());
+  EXPECT_EQ(bits_of(*mapped(config(true, 3), small_round())), small_bits());
 }
 
 TEST(CloseLoops, SameBitsAfterABreak) {

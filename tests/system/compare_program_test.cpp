@@ -2,11 +2,6 @@
 // an interruption, and what is wrong on the command line.
 #include <gtest/gtest.h>
 
-#include <algorithm>
-#include <filesystem>
-#include <map>
-#include <string>
-
 #include "tests/system/program_fixture.h"
 
 namespace parloc::test {
@@ -33,26 +28,24 @@ class CompareProgram : public ProgramSuite {
     const std::string drawn =
         "map: " + maps + "fine/hall_obstacles.yaml\npath: " + maps + "paths/hall_17m.yaml\n";
     const std::string map = "localization_map: " + maps + "hall_obstacles.yaml\n";
-    write_file(runner->folder() / "hall.yaml", drawn + map + kScenario);
-    write_file(runner->folder() / "mapless.yaml", drawn + kScenario);
-    write_file(runner->folder() / "seed.yaml", drawn + map + "odometry: {form: seed}\n");
-    write_file(runner->folder() / "elsewhen.tum", "5.0 1 1 0 0 0 0 1\n5.1 1 1 0 0 0 0 1\n");
-    write_file(runner->folder() / "empty.log", "# nothing\n");
-    write_file(runner->folder() / "nan.tum", "5.0 1 1 0 0 0 0 1\n5.1 nan 1 0 0 0 0 1\n");
-    write_file(runner->folder() / "short.log", "FLASER 3 5 5 5 2 2 0 2 2 0 5.0 test 5.0\n");
-    write_file(runner->folder() / "short.tum", "5.0 2 2 0 0 0 0 1\n");
-    write_file(runner->folder() / "broken.yaml", "{map: [\n");
-    write_file(runner->folder() / "bare.yaml",
-               "image: bare.pgm\nresolution: 0.05\norigin: [0, 0, 0]\nnegate: 0\noccupied_thresh: 0.65\n"
-               "free_thresh: 0.196\n");
-    write_file(runner->folder() / "bare.pgm", "P5\n9 9\n255\n" + std::string(81, '\xfe'));
+    write("hall.yaml", drawn + map + kScenario);
+    write("mapless.yaml", drawn + kScenario);
+    write("seed.yaml", drawn + map + "odometry: {form: seed}\n");
+    write("elsewhen.tum", "5.0 1 1 0 0 0 0 1\n5.1 1 1 0 0 0 0 1\n");
+    write("empty.log", "# nothing\n");
+    write("nan.tum", "5.0 1 1 0 0 0 0 1\n5.1 nan 1 0 0 0 0 1\n");
+    write("short.log", "FLASER 3 5 5 5 2 2 0 2 2 0 5.0 test 5.0\n");
+    write("short.tum", "5.0 2 2 0 0 0 0 1\n");
+    write("broken.yaml", "{map: [\n");
+    write("bare.yaml",
+          "image: bare.pgm\nresolution: 0.05\norigin: [0, 0, 0]\nnegate: 0\noccupied_thresh: 0.65\n"
+          "free_thresh: 0.196\n");
+    write("bare.pgm", "P5\n9 9\n255\n" + std::string(81, '\xfe'));
   }
-  static Outcome compare(const Args& args, const Args& more = {}) {
-    return call(with(with({"compare"}, args), more));
-  }
+  static Args compare(const Args& args) { return with({"compare"}, args); }
   /// Small filters: the tests are of the program.
-  static Outcome simulated(const Args& more) {
-    return compare({"--scenario", path("hall.yaml"), "--filters", "mcl@200,ekf_beams,edh@20"}, more);
+  static Args simulated(const Args& more) {
+    return with(compare({"--scenario", path("hall.yaml"), "--filters", "mcl@200,ekf_beams,edh@20"}), more);
   }
   static Json result(const std::string& folder) { return json_of(folder + "/compare.json"); }
   /// Name -> content of all but what the last call printed.
@@ -65,13 +58,9 @@ class CompareProgram : public ProgramSuite {
 };
 
 TEST_F(CompareProgram, TheNumberOfJobsChangesNothing) {
-  const Args short_drive{"--seeds", "3", "--duration", "8"};
-  Args one = short_drive, two = short_drive;
-  one.insert(one.end(), {"--out", path("one")});
-  two.insert(two.end(), {"--out", path("two"), "--jobs", "2", "--quiet"});
-  const Outcome a = simulated(one), b = simulated(two);
-  ASSERT_EQ(a.code, 0) << a.err;
-  ASSERT_EQ(b.code, 0) << b.err;
+  const Args short_drive = simulated({"--seeds", "3", "--duration", "8"});
+  const Outcome a = done(with(short_drive, {"--out", path("one")}));
+  const Outcome b = done(with(short_drive, {"--out", path("two"), "--jobs", "2", "--quiet"}));
   EXPECT_EQ(b.out + b.err, "");
   EXPECT_EQ(lasting(result("one")), lasting(result("two")));
   const Json j = result("one");
@@ -88,16 +77,15 @@ TEST_F(CompareProgram, TheNumberOfJobsChangesNothing) {
     EXPECT_GT(filter["position_rmse_m"]["deviation"].get<double>(), 0.0);
   }
   EXPECT_GT(j["times"]["filters"][1]["real_time_factor"].get<double>(), 1.0);
-  const std::string page = read_file(path("one/report.html"));
-  EXPECT_NE(page.find("</html>"), std::string::npos);
-  EXPECT_EQ(page.find("http"), std::string::npos);  // nothing from elsewhere
-  EXPECT_NE(read_file(path("one/compare.md")).find("| edh@20 | 3 | 0 |"), std::string::npos);
-  EXPECT_NE(a.out.find("edh@20"), std::string::npos);
+  expect_parts(read("one/report.html"), {"</html>"});
+  expect_none_of(read("one/report.html"), {"http"});  // nothing from elsewhere
+  expect_parts(read("one/compare.md"), {"| edh@20 | 3 | 0 |"});
+  expect_parts(a.out, {"edh@20"});
 }
 
 TEST_F(CompareProgram, ASeedAloneIsTheSameRun) {
-  ASSERT_EQ(simulated({"--seeds", "2", "--duration", "4", "--out", path("all")}).code, 0);
-  ASSERT_EQ(simulated({"--seed", "2", "--seeds", "1", "--duration", "4", "--out", path("alone")}).code, 0);
+  done(simulated({"--seeds", "2", "--duration", "4", "--out", path("all")}));
+  done(simulated({"--seed", "2", "--seeds", "1", "--duration", "4", "--out", path("alone")}));
   for (std::size_t k = 0; k < 3; ++k)
     EXPECT_EQ(result("all")["filters"][k]["each"][1], result("alone")["filters"][k]["each"][0]);
 }
@@ -105,12 +93,9 @@ TEST_F(CompareProgram, ASeedAloneIsTheSameRun) {
 // Who is carried off or told a wrong start does worse, and if it never finds back its errors are in no mean;
 // who has better wheels does no worse than wild ones let.
 TEST_F(CompareProgram, TroublesAreWhatTheySay) {
-  const Args one{"--seeds", "1", "--duration", "12", "--out", path("trouble")};
+  const Args one = simulated({"--seeds", "1", "--duration", "12", "--out", path("trouble")});
   const auto maximum_m = [&](const Args& trouble) {
-    Args args = one;
-    args.insert(args.end(), trouble.begin(), trouble.end());
-    const Outcome o = simulated(args);
-    EXPECT_EQ(o.code, 0) << o.err;
+    done(with(one, trouble));
     return result("trouble")["filters"][1]["each"][0]["position_max_m"].get<double>();
   };
   const auto ekf_beams = [] { return result("trouble")["filters"][1]; };
@@ -132,11 +117,8 @@ TEST_F(CompareProgram, TroublesAreWhatTheySay) {
 }
 
 TEST_F(CompareProgram, ARecordedLog) {
-  Args args = kLog;
-  args.insert(args.end(),
-              {"--filters", "mcl@500,ekf_beams", "--seeds", "2", "--duration", "5", "--out", path("log")});
-  const Outcome o = compare(args);
-  ASSERT_EQ(o.code, 0) << o.err;
+  done(with(compare(kLog),
+            {"--filters", "mcl@500,ekf_beams", "--seeds", "2", "--duration", "5", "--out", path("log")}));
   const Json j = result("log");
   EXPECT_TRUE(j["plan"]["unmapped_hits"].is_null());
   EXPECT_EQ(j["filters"][1]["position_rmse_m"]["deviation"], 0.0);  // has no chance in it
@@ -144,43 +126,30 @@ TEST_F(CompareProgram, ARecordedLog) {
 }
 
 TEST_F(CompareProgram, BrokenLinesOfALogAreTold) {
-  write_file(path("broken.log"), read_file(path("short.log")) + "FLASER 3 1 nan\n");
-  const Outcome o = compare({"--log", path("broken.log"), "--map", kLog[3], "--truth", path("short.tum"),
-                             "--filters", "ekf", "--seeds", "1"});
-  EXPECT_EQ(o.code, 0) << o.err;
-  EXPECT_NE(o.out.find("recorded, 1 broken line was skipped"), std::string::npos) << o.out;
+  write("broken.log", read("short.log") + "FLASER 3 1 nan\n");
+  const Outcome o = done(compare({"--log", path("broken.log"), "--map", kLog[3], "--truth", path("short.tum"),
+                                  "--filters", "ekf", "--seeds", "1"}));
+  expect_parts(o.out, {"recorded, 1 broken line was skipped"});
 }
 
 TEST_F(CompareProgram, CtrlCKeepsWhatIsDone) {
   for (const char* jobs : {"1", "2"}) {
-    const pid_t child = runner->start({"compare", "--scenario", path("hall.yaml"), "--filters", "ekf,edh@20",
-                                       "--seeds", "300", "--jobs", jobs, "--out", path("broken")});
-    runner->wait_for("of 600 runs");  // the first line of progress comes after a tenth of the work, or 10 s
-    kill(child, SIGINT);
-    const Outcome o = runner->finish(child);
-    EXPECT_EQ(o.code, 130) << o.err;
+    // The first line of progress comes after a tenth of the work, or 10 s.
+    const Outcome o = broken_off(compare({"--scenario", path("hall.yaml"), "--filters", "ekf,edh@20",
+                                          "--seeds", "300", "--jobs", jobs, "--out", path("broken")}),
+                                 "of 600 runs");
     const Json j = result("broken");
     EXPECT_TRUE(j["interrupted"]);
     EXPECT_GE(j["filters"][0]["runs"], 1);
     EXPECT_EQ(j["filters"][0]["runs"], j["filters"][0]["each"].size());
-    EXPECT_NE(o.out.find("interrupted"), std::string::npos) << o.out;
+    expect_parts(o.out, {"interrupted"});
   }
 }
 
 TEST_F(CompareProgram, ErrorsAreOneLineWithACode) {
-  const Args scenario{"--scenario", path("hall.yaml")};
   const std::string log = kLog[1], map = kLog[3], truth = kLog[5];
-  const auto with = [&](const Args& more) {
-    Args args = scenario;
-    args.insert(args.end(), more.begin(), more.end());
-    return args;
-  };
-  struct Case {
-    Args args;
-    int code;
-    const char* words;
-  };
-  const Case cases[] = {
+  const auto with = [](const Args& more) { return test::with({"--scenario", path("hall.yaml")}, more); };
+  const ProgramCase cases[] = {
       {{}, 2, "--scenario or --log"},
       {with({"--log", log}), 2, "not both"},
       {with({"--truth", truth}), 2, "expected --log"},
@@ -221,32 +190,21 @@ TEST_F(CompareProgram, ErrorsAreOneLineWithACode) {
       {{"--log", log, "--map", map, "--truth", path("nan.tum")}, 3, "nan.tum:2: expected a finite position"},
       {{"--log", path("empty.log"), "--map", map, "--truth", truth}, 3, "found none"},
   };
-  for (const Case& c : cases) {
-    const Outcome o = compare(c.args, {"--out", path("out")});
-    EXPECT_EQ(o.code, c.code) << o.err << o.out;
-    EXPECT_NE(o.err.find(c.words), std::string::npos) << o.err;
-    EXPECT_EQ(std::count(o.err.begin(), o.err.end(), '\n'), 1) << o.err;
+  for (const ProgramCase& c : cases) {
+    expect_error(call(test::with(compare(c.args), {"--out", path("out")})), c);
     EXPECT_TRUE(contents(path("out")).empty()) << c.words;
   }
 }
 
 TEST_F(CompareProgram, WhereItCannotWriteItLeavesAllAsItWas) {
-  write_file(path("file"), "mine");
+  write("file", "mine");
   std::filesystem::create_directories(path("taken/report.html"));
   for (const std::string& folder : {std::string("/dev/null/x"), path("file"), path("taken")}) {
     const auto before = kept_files();
-    const Outcome o = simulated({"--seeds", "1", "--duration", "1", "--quiet", "--out", folder});
-    EXPECT_EQ(o.code, 5) << folder;
-    EXPECT_NE(o.err.find(folder), std::string::npos) << o.err;
-    EXPECT_EQ(std::count(o.err.begin(), o.err.end(), '\n'), 1) << o.err;
+    const Args args = simulated({"--seeds", "1", "--duration", "1", "--quiet", "--out", folder});
+    expect_one_line(call(args), 5, folder);
     EXPECT_EQ(kept_files(), before);
   }
-}
-
-TEST_F(CompareProgram, HelpFitsAScreen) {
-  const Outcome o = compare({"--help"});
-  EXPECT_EQ(o.code, 0);
-  EXPECT_LE(std::count(o.out.begin(), o.out.end(), '\n'), 24);
 }
 
 }  // namespace

@@ -2,10 +2,8 @@
 // exit code, or `lost`; files without a number that is none.
 #include <gtest/gtest.h>
 
-#include <algorithm>
 #include <cctype>
 #include <cmath>
-#include <string>
 
 #include "common/io/log.h"
 #include "common/map/map_reader.h"
@@ -79,14 +77,14 @@ class DegenerateProgram : public ProgramSuite {
  protected:
   static void SetUpTestSuite() {
     open("parloc_degenerate_test");
-    for (const NamedMap& m : maps())
-      write_map(path(std::string(m.name) + "_map.yaml"), grid_from_text(m.rows, m.resolution_m));
+    for (const NamedMap& m : maps()) write_map(path_of(m), grid_from_text(m.rows, m.resolution_m));
     for (const NamedScan& s : scans()) {
-      write_file(path(std::string(s.name) + "_scan.yaml"), scan_yaml(s.ranges_m));
-      write_file(path(std::string(s.name) + ".log"), still_log(s.ranges_m));
+      write(std::string(s.name) + "_scan.yaml", scan_yaml(s.ranges_m));
+      write(std::string(s.name) + ".log", still_log(s.ranges_m));
     }
-    write_file(path("truth.tum"), "0 0.02 0.02 0 0 0 0 1\n1 0.02 0.02 0 0 0 0 1\n");
+    write("truth.tum", "0 0.02 0.02 0 0 0 0 1\n1 0.02 0.02 0 0 0 0 1\n");
   }
+  static std::string path_of(const NamedMap& m) { return path(std::string(m.name) + "_map.yaml"); }
 };
 
 /// Words are separated by anything but letters and digits.
@@ -105,16 +103,9 @@ TEST_F(DegenerateProgram, LocateFindsNoPlaceOrSaysWhatIsWrong) {
   for (const NamedMap& m : maps()) {
     for (const NamedScan& s : scans()) {
       SCOPED_TRACE(std::string(m.name) + " map, " + s.name + " scan");
-      const Args args{"locate",
-                      "--map",
-                      path(std::string(m.name) + "_map.yaml"),
-                      "--scan",
-                      path(std::string(s.name) + "_scan.yaml"),
-                      "--backend",
-                      "cpu",
-                      "--out",
-                      path("found")};
-      const Outcome o = call(args);
+      const Outcome o =
+          call({"locate", "--map", path_of(m), "--scan", path(std::string(s.name) + "_scan.yaml"),
+                "--backend", "cpu", "--out", path("found")});
       if (!m.has_free_cell) {
         expect_one_line(o, 3, "no free cell");
         continue;
@@ -133,9 +124,9 @@ TEST_F(DegenerateProgram, RunIsLostOrSaysWhatIsWrong) {
     for (const NamedScan& s : scans()) {
       for (const std::string init : {"global", "0.01,0.01,0"}) {
         SCOPED_TRACE(std::string(m.name) + " map, " + s.name + " scan, from " + init);
-        const Outcome o = call({"run", "--map", path(std::string(m.name) + "_map.yaml"), "--log",
-                                path(std::string(s.name) + ".log"), "--init", init, "--particles", "100",
-                                "--backend", "cpu", "--quiet", "--out", path("out")});
+        const Outcome o =
+            call({"run", "--map", path_of(m), "--log", path(std::string(s.name) + ".log"), "--init", init,
+                  "--particles", "100", "--backend", "cpu", "--quiet", "--out", path("out")});
         if (!m.has_free_cell) {
           expect_one_line(o, 3, "no free cell");
           continue;
@@ -143,8 +134,8 @@ TEST_F(DegenerateProgram, RunIsLostOrSaysWhatIsWrong) {
         if (init == "global") expect_one_line(o, 0, " at the end: ");
         if (!s.has_enough_beams) expect_one_line(o, 0, "parloc: LOST at the end: ");
         EXPECT_EQ(o.code, 0) << o.err;
-        EXPECT_TRUE(Json::accept(read_file(path("out/metrics.json"))));
-        expect_numbers(read_file(path("out/trajectory.tum")));
+        EXPECT_TRUE(Json::accept(read("out/metrics.json")));
+        expect_numbers(read("out/trajectory.tum"));
       }
     }
   }
@@ -154,21 +145,21 @@ TEST_F(DegenerateProgram, EvaluateCountsNoSuccessOrSaysWhatIsWrong) {
   for (const NamedMap& m : maps()) {
     for (const char* log : {"nan.log", "most.log"}) {
       SCOPED_TRACE(std::string(m.name) + " map, " + log);
-      const Outcome o = call({"evaluate", "--map", path(std::string(m.name) + "_map.yaml"), "--log",
-                              path(log), "--truth", path("truth.tum"), "--starts", "2", "--particles", "100",
-                              "--quiet", "--out", path("all"), "--samples", path("all.csv")});
+      const Outcome o =
+          call({"evaluate", "--map", path_of(m), "--log", path(log), "--truth", path("truth.tum"), "--starts",
+                "2", "--particles", "100", "--quiet", "--out", path("all"), "--samples", path("all.csv")});
       if (!m.has_free_cell) {
         expect_one_line(o, 3, "no free cell");
         continue;
       }
       EXPECT_EQ(o.code, 0) << o.err;
       EXPECT_EQ(json_of("all/evaluate.json")["summary"]["confident_wrong"]["hits"], 0);
-      expect_numbers(read_file(path("all.csv")));
+      expect_numbers(read("all.csv"));
     }
     // A simulated drive needs room for a robot, on none of these.
-    write_file(path("way.yaml"), "speed: 0.5\npoints: [[0.01, 0.01], [0.02, 0.01]]\n");
-    write_file(path("scenario.yaml"), "map: " + std::string(m.name) +
-                                          "_map.yaml\npath: way.yaml\nlocalization_map: cell_map.yaml\n");
+    write("way.yaml", "speed: 0.5\npoints: [[0.01, 0.01], [0.02, 0.01]]\n");
+    write("scenario.yaml",
+          "map: " + std::string(m.name) + "_map.yaml\npath: way.yaml\nlocalization_map: cell_map.yaml\n");
     const Outcome o = call({"evaluate", "--scenario", path("scenario.yaml"), "--trials", "2", "--quiet"});
     expect_one_line(o, 3, "no free region");
   }

@@ -2,9 +2,7 @@
 // instruction set, on every backend, and on every machine (docs/determinism.md).
 #include <gtest/gtest.h>
 
-#include <memory>
-#include <string>
-#include <vector>
+#include <map>
 
 #include "common/config/config.h"
 #include "common/filter/filter_backend.h"
@@ -12,6 +10,7 @@
 #include "common/math/sha256.h"
 #include "common/model/model_settings.h"
 #include "tests/system/golden_corridor.h"
+#include "tests/unit/expect.h"
 #include "tests/unit/instruction_sets.h"
 #include "tests/unit/small_drive.h"
 #include "tests/unit/without_gpu.h"
@@ -98,29 +97,19 @@ class Digest : public testing::TestWithParam<SensorModel> {
 // a digest holds; they must not change with compiler, build type, instruction set, thread count or backend.
 // When such a change is meant, renew them: each failure prints the new digest; copy it here once Release,
 // Debug and clang agree on it, and say in the changelog that digests changed.
-const char* golden(SensorModel model) {
-  switch (model) {
-    case SensorModel::gaussian:
-      return "93fffc2d1756c20eab37d16e057e8f710e0f40889e276442537fa3a7dd951ef2";
-    case SensorModel::beam:
-      return "577e08781401eff90b2881852d4319d75eede1bddc13101be5f75727554cdeda";
-    case SensorModel::likelihood_field:
-      return "dc6ce8a4665ffaa3958c077ff823adf4b2df277ba5a8660841f5c0f8f1238ab2";
-    case SensorModel::s5:
-      return "7f7d52ed559f643d8fcb46bfa5f8e99b0d7f301c12f7f12d2ee6e680386052fb";
-    case SensorModel::class_conditional:
-      return "b4398484648672f01bb0022c6130d46d07cace3a39e5e87aef691b7b41f1a765";
-    case SensorModel::likelihood_field_prob:
-      return "27916d6062773939e293cd658e4b33816a1b7e1742fd6200edfbf3a43399d974";
-  }
-  return "";
-}
+const std::map<SensorModel, std::string> kGolden{
+    {SensorModel::gaussian, "93fffc2d1756c20eab37d16e057e8f710e0f40889e276442537fa3a7dd951ef2"},
+    {SensorModel::beam, "577e08781401eff90b2881852d4319d75eede1bddc13101be5f75727554cdeda"},
+    {SensorModel::likelihood_field, "dc6ce8a4665ffaa3958c077ff823adf4b2df277ba5a8660841f5c0f8f1238ab2"},
+    {SensorModel::s5, "7f7d52ed559f643d8fcb46bfa5f8e99b0d7f301c12f7f12d2ee6e680386052fb"},
+    {SensorModel::class_conditional, "b4398484648672f01bb0022c6130d46d07cace3a39e5e87aef691b7b41f1a765"},
+    {SensorModel::likelihood_field_prob, "27916d6062773939e293cd658e4b33816a1b7e1742fd6200edfbf3a43399d974"}};
 
 TEST_P(Digest, OfARealLogIsPinned) {
   for (const cpu::Simd set : instruction_sets()) {
     const SimdLimit limit(set);
     const Localization result = run_corridor(config());
-    EXPECT_EQ(result.digest, golden(GetParam())) << "with " << cpu::simd_name(set);
+    EXPECT_EQ(result.digest, kGolden.at(GetParam())) << "with " << cpu::simd_name(set);
     EXPECT_EQ(result.scans, kCorridorScans);
     expect_on_track(result.trajectory);
     // The digest is worth pinning only if the run resampled, too, in not every step but with the Gaussian,
@@ -234,25 +223,21 @@ TEST_P(Digest, KernelBodiesOnTheHostRunAWholeLogAsTheFilterDoes) {
   const Localization filter = run_corridor(c);
   ASSERT_EQ(kernels.poses.size(), filter.trajectory.size());
   for (std::size_t k = 0; k < kernels.poses.size(); ++k) {
-    EXPECT_EQ(kernels.poses[k].x_m, filter.trajectory[k].pose.x_m) << k;
-    EXPECT_EQ(kernels.poses[k].y_m, filter.trajectory[k].pose.y_m) << k;
-    EXPECT_EQ(kernels.poses[k].theta_rad, filter.trajectory[k].pose.theta_rad) << k;
+    SCOPED_TRACE(k);
+    expect_equal(kernels.poses[k], filter.trajectory[k].pose);
   }
 }
 
 TEST_P(Digest, OfAGpuIsTheSame) {
   Config gpu = config();
   gpu.backend = BackendChoice::cuda;
-  try {
-    const std::string corridor_digest = run_corridor(gpu).digest;
-    EXPECT_EQ(corridor_digest, run_corridor(config()).digest);
-    Config many = many_particles(gpu);
-    const std::string digest = run_room(many).digest;
-    many.backend = BackendChoice::cpu;
-    EXPECT_EQ(digest, run_room(many).digest);
-  } catch (const Error& e) {
-    PARLOC_WITHOUT_GPU(e);
-  }
+  std::string corridor_digest;
+  PARLOC_NEEDS_GPU(corridor_digest = run_corridor(gpu).digest);
+  EXPECT_EQ(corridor_digest, run_corridor(config()).digest);
+  Config many = many_particles(gpu);
+  const std::string digest = run_room(many).digest;
+  many.backend = BackendChoice::cpu;
+  EXPECT_EQ(digest, run_room(many).digest);
 }
 
 INSTANTIATE_TEST_SUITE_P(All, Digest,

@@ -2,10 +2,6 @@
 // an interruption, and what is wrong on the command line.
 #include <gtest/gtest.h>
 
-#include <algorithm>
-#include <filesystem>
-#include <string>
-
 #include "tests/system/program_fixture.h"
 
 namespace parloc::test {
@@ -30,16 +26,15 @@ class EvaluateProgram : public ProgramSuite {
     const std::string maps = std::string(PARLOC_SOURCE_DIR) + "/maps/";
     const std::string drawn =
         "map: " + maps + "fine/hall_obstacles.yaml\npath: " + maps + "paths/hall_17m.yaml\n";
-    write_file(runner->folder() / "hall.yaml",
-               drawn + "localization_map: " + maps + "hall_obstacles.yaml\n" + kScenario);
-    write_file(runner->folder() / "mapless.yaml", drawn + kScenario);
-    write_file(runner->folder() / "typo.yaml", drawn + kScenario + "lidor: 1\n");
-    write_file(runner->folder() / "elsewhen.tum", "5.0 1 1 0 0 0 0 1\n5.1 1 1 0 0 0 0 1\n");
-    write_file(runner->folder() / "empty.log", "# nothing\n");
+    write("hall.yaml", drawn + "localization_map: " + maps + "hall_obstacles.yaml\n" + kScenario);
+    write("mapless.yaml", drawn + kScenario);
+    write("typo.yaml", drawn + kScenario + "lidor: 1\n");
+    write("elsewhen.tum", "5.0 1 1 0 0 0 0 1\n5.1 1 1 0 0 0 0 1\n");
+    write("empty.log", "# nothing\n");
   }
-  static Outcome evaluate(const Args& args) { return call(with({"evaluate"}, args)); }
+  static Args evaluate(const Args& args) { return with({"evaluate"}, args); }
   /// Few particles and short trials: the tests are of the program, not of the localizer.
-  static Outcome simulated(const Args& more) {
+  static Args simulated(const Args& more) {
     return evaluate(with({"--scenario", path("hall.yaml"), "--particles", "300", "--duration", "4"}, more));
   }
   static Json result(const std::string& folder) { return json_of(folder + "/evaluate.json"); }
@@ -47,39 +42,35 @@ class EvaluateProgram : public ProgramSuite {
 
 TEST_F(EvaluateProgram, TheNumberOfJobsChangesNothing) {
   for (const std::string task : {"global", "kidnap"}) {
-    const Outcome one = simulated(
-        {"--task", task, "--trials", "3", "--jobs", "1", "--out", path("one"), "--samples", path("one.csv")});
-    ASSERT_EQ(one.code, 0) << one.err;
-    const Outcome two = simulated({"--task", task, "--trials", "3", "--jobs", "2", "--out", path("two"),
-                                   "--samples", path("two.csv"), "--quiet"});
-    ASSERT_EQ(two.code, 0) << two.err;
+    const Args trials = simulated({"--task", task, "--trials", "3"});
+    const Outcome one =
+        done(with(trials, {"--jobs", "1", "--out", path("one"), "--samples", path("one.csv")}));
+    const Outcome two =
+        done(with(trials, {"--jobs", "2", "--out", path("two"), "--samples", path("two.csv"), "--quiet"}));
     EXPECT_EQ(two.out + two.err, "");
     EXPECT_EQ(lasting(result("one")), lasting(result("two")));
-    EXPECT_EQ(read_file(path("one.csv")), read_file(path("two.csv")));
+    EXPECT_EQ(read("one.csv"), read("two.csv"));
     const Json j = result("one");
     EXPECT_EQ(j["trials"].size(), 3u);
     EXPECT_EQ(j["trials"][2]["seed"], 3);
     EXPECT_EQ(j["summary"]["success"]["of"], 3);
     EXPECT_EQ(j["summary"].contains("noticed"), task == "kidnap");
     EXPECT_FALSE(j["interrupted"]);
-    EXPECT_NE(one.out.find("success"), std::string::npos);
-    const std::string page = read_file(path("one/report.html"));
-    EXPECT_NE(page.find("</html>"), std::string::npos);
-    EXPECT_EQ(page.find("http"), std::string::npos);  // nothing from elsewhere
+    expect_parts(one.out, {"success"});
+    expect_parts(read("one/report.html"), {"</html>"});
+    expect_none_of(read("one/report.html"), {"http"});  // nothing from elsewhere
   }
 }
 
 // Told its start, even a small filter follows: an error of decimetres would be one of the comparison.
 TEST_F(EvaluateProgram, ASeedAloneIsTheSameTrial) {
-  ASSERT_EQ(simulated({"--task", "track", "--trials", "3", "--out", path("all")}).code, 0);
-  ASSERT_EQ(simulated({"--task", "track", "--trials", "1", "--seed", "3", "--out", path("alone"), "--samples",
-                       path("alone.csv")})
-                .code,
-            0);
+  done(simulated({"--task", "track", "--trials", "3", "--out", path("all")}));
+  done(simulated({"--task", "track", "--trials", "1", "--seed", "3", "--out", path("alone"), "--samples",
+                  path("alone.csv")}));
   EXPECT_EQ(result("all")["trials"][2], result("alone")["trials"][0]);
   EXPECT_EQ(result("all")["summary"]["success"]["hits"], 3);
   EXPECT_LT(result("all")["summary"]["rmse_m"].get<double>(), 0.1);
-  const std::string csv = read_file(path("alone.csv"));
+  const std::string csv = read("alone.csv");
   EXPECT_EQ(
       csv.rfind("seed,stamp_s,position_error_m,heading_error_rad,right,evidence,share,probability,state", 0),
       0u);
@@ -87,32 +78,26 @@ TEST_F(EvaluateProgram, ASeedAloneIsTheSameTrial) {
 }
 
 TEST_F(EvaluateProgram, StartsInALog) {
-  const Args more{"--starts", "4", "--duration", "3", "--particles", "500"};
-  const Outcome o = evaluate(with(with(kLog, more), {"--out", path("log")}));
-  ASSERT_EQ(o.code, 0) << o.err;
+  const Args starts = evaluate(with(kLog, {"--starts", "4", "--duration", "3", "--particles", "500"}));
+  done(with(starts, {"--out", path("log")}));
   const Json j = result("log");
   ASSERT_EQ(j["trials"].size(), 4u);
   const double first_s = j["trials"][0]["begun_s"], last_s = j["trials"][3]["begun_s"];
   EXPECT_NEAR(last_s - first_s, 0.75 * 59.0, 1.5);  // the log has 59 s and a scan every second or less
-  const Args third{"--out", path("third"), "--seed", "3", "--trials", "1"};
-  ASSERT_EQ(evaluate(with(with(kLog, more), third)).code, 0);
+  done(with(starts, {"--out", path("third"), "--seed", "3", "--trials", "1"}));
   EXPECT_EQ(result("third")["trials"][0], j["trials"][2]);
   EXPECT_TRUE(j["summary"]["unmapped"].is_null());
 }
 
 TEST_F(EvaluateProgram, CtrlCKeepsWhatIsDone) {
-  const pid_t child =
-      runner->start({"evaluate", "--scenario", path("hall.yaml"), "--particles", "300", "--duration", "2",
-                     "--trials", "300", "--jobs", "2", "--out", path("broken")});
-  runner->wait_for("of 300 trials");  // the first line of progress comes after a tenth of the work
-  kill(child, SIGINT);
-  const Outcome o = runner->finish(child);
-  EXPECT_EQ(o.code, 130) << o.err;
+  const Args args = evaluate({"--scenario", path("hall.yaml"), "--particles", "300", "--duration", "2",
+                              "--trials", "300", "--jobs", "2", "--out", path("broken")});
+  const Outcome o = broken_off(args, "of 300 trials");  // the first line comes after a tenth of the work
   const Json j = result("broken");
   EXPECT_TRUE(j["interrupted"]);
   EXPECT_GE(j["trials"].size(), 1u);
   EXPECT_EQ(j["summary"]["trials"], j["trials"].size());
-  EXPECT_NE(o.out.find("interrupted, 300 were wanted"), std::string::npos) << o.out;
+  expect_parts(o.out, {"interrupted, 300 were wanted"});
 }
 
 TEST_F(EvaluateProgram, ErrorsAreOneLineWithACode) {
@@ -148,13 +133,7 @@ TEST_F(EvaluateProgram, ErrorsAreOneLineWithACode) {
       {{"--log", log, "--map", map, "--truth", truth, "--range", "5"}, 2, "simulated"},
       {{"--log", log, "--map", map, "--truth", truth, "--starts", "3", "--seed", "4"}, 2, "from 1 to 3"},
   };
-  for (const ProgramCase& c : cases) expect_error(evaluate(c.args), c);
-}
-
-TEST_F(EvaluateProgram, HelpFitsAScreen) {
-  const Outcome o = evaluate({"--help"});
-  EXPECT_EQ(o.code, 0);
-  EXPECT_LE(std::count(o.out.begin(), o.out.end(), '\n'), 24);
+  for (const ProgramCase& c : cases) expect_error(call(evaluate(c.args)), c);
 }
 
 }  // namespace

@@ -4,7 +4,6 @@
 #include <gtest/gtest.h>
 
 #include <ostream>
-#include <string>
 
 #include "common/config/config.h"
 #include "common/config/pose_filters.h"

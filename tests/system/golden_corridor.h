@@ -4,9 +4,6 @@
 
 #include <gtest/gtest.h>
 
-#include <memory>
-#include <string>
-
 #include "common/config/config.h"
 #include "common/eval/metrics.h"
 #include "common/io/log.h"
@@ -39,10 +36,20 @@ constexpr MotionConfig kGoldenMotion{.form = MotionForm::seed,
                                      .alpha2 = 0.1,
                                      .alpha3 = 0.2,
                                      .alpha4 = 0.1,
+                                     .alpha5 = 0.2,
                                      .sigma_rot_min_rad = 0.001,
                                      .sigma_trans_min_m = 0.002,
+                                     .sigma_rot_per_s = 0.0,
+                                     .sigma_trans_per_s = 0.0,
+                                     .slip_share = 0.0,
+                                     .slip_sigma_m = 0.3,
+                                     .slip_sigma_rad = 0.2,
                                      .min_translation_m = 0.01,
                                      .symmetric = true,
-                                     .max_jump_m = 1.0};
+                                     .max_speed_mps = 10.0,
+                                     .max_acceleration_mps2 = 10.0,
+                                     .max_turn_rate_rad_s = 12.0,
+                                     .max_jump_m = 1.0,
+                                     .odometry_delay_s = 0.0};
 
 }  // namespace parloc::test

@@ -1,9 +1,7 @@
 // `parloc locate` as a person or a script meets it: its answers, exit codes and files.
 #include <gtest/gtest.h>
 
-#include <algorithm>
 #include <cmath>
-#include <string>
 
 #include "common/map/map_reader.h"
 #include "common/simulator/simulator.h"
@@ -29,64 +27,52 @@ class LocateProgram : public ProgramSuite {
   static void SetUpTestSuite() {
     open("parloc_locate_test");
     const GridMap fine = read_map("maps/fine/hall_obstacles.yaml");
-    write_file(runner->folder() / "scan.yaml", scan_yaml(fine, kTruth));
-    write_file(runner->folder() / "symmetric.yaml",
-               scan_yaml(read_map("maps/fine/hall.yaml"), {6, 3.5, 0.5}));
-    write_file(runner->folder() / "blind.yaml",
-               "angle_min_deg: 0\nangle_step_deg: 1\nranges: [.nan, .inf, 0]\n");
-    write_file(runner->folder() / "typo.yaml",
-               "angle_min_deg: 0\nangle_step_deg: 1\nrange_mox: 3\nranges: [1]\n");
-    write_file(runner->folder() / "words.yaml", "angle_min_deg: 0\nangle_step_deg: 1\nranges: [1, two]\n");
-    write_file(runner->folder() / "far_mount.yaml",
-               "angle_min_deg: 0\nangle_step_deg: 1\nmount: [0, 1e300, 0]\nranges: [1]\n");
-    write_file(runner->folder() / "limits.yaml",
-               "angle_min_deg: 0\nangle_step_deg: 1\nrange_min: 4\nrange_max: 3\nranges: [1]\n");
-    write_file(runner->folder() / "empty.log", "# nothing\n");
+    write("scan.yaml", scan_yaml(fine, kTruth));
+    write("symmetric.yaml", scan_yaml(read_map("maps/fine/hall.yaml"), {6, 3.5, 0.5}));
+    const std::string angles = "angle_min_deg: 0\nangle_step_deg: 1\n";
+    write("blind.yaml", angles + "ranges: [.nan, .inf, 0]\n");
+    write("typo.yaml", angles + "range_mox: 3\nranges: [1]\n");
+    write("words.yaml", angles + "ranges: [1, two]\n");
+    write("far_mount.yaml", angles + "mount: [0, 1e300, 0]\nranges: [1]\n");
+    write("limits.yaml", angles + "range_min: 4\nrange_max: 3\nranges: [1]\n");
+    write("empty.log", "# nothing\n");
   }
-  static Outcome locate(const Args& more, const std::string& map = "maps/hall_obstacles.yaml") {
-    return call(with({"locate", "--map", map, "--backend", "cpu"}, more));
+  static Args locate(const Args& more, const std::string& map = "maps/hall_obstacles.yaml") {
+    return with({"locate", "--map", map, "--backend", "cpu"}, more);
   }
 };
 
 TEST_F(LocateProgram, FindsAScanOfAFileAndWritesWhatItFound) {
-  const Outcome o = locate({"--scan", path("scan.yaml"), "--json", "--out", path("out")});
-  ASSERT_EQ(o.code, 0) << o.err;
-  const Json j = Json::parse(o.out);
+  const Json j = told(locate({"--scan", path("scan.yaml"), "--json", "--out", path("out")}));
   EXPECT_EQ(j["verdict"], "found");
   const Json& best = j["hypotheses"][0];
   EXPECT_LT(std::hypot(best["x_m"].get<double>() - kTruth.x_m, best["y_m"].get<double>() - kTruth.y_m), 0.07);
   EXPECT_NEAR(best["theta_rad"].get<double>(), kTruth.theta_rad, 0.01);
   EXPECT_GT(best["explained"].get<double>(), 0.9);
   EXPECT_EQ(json_of("out/hypotheses.json"), j);
-  EXPECT_EQ(read_file(path("out/picture.png")).substr(1, 3), "PNG");
+  expect_png(path("out/picture.png"));
 }
 
 TEST_F(LocateProgram, SaysWhatIsAmbiguousAndTakesPriors) {
-  const Outcome both = locate({"--scan", path("symmetric.yaml")}, "maps/hall.yaml");
-  ASSERT_EQ(both.code, 0) << both.err;
-  EXPECT_NE(both.out.find("ambiguous: 2 places"), std::string::npos) << both.out;
-  for (const Args& prior : {Args{"--near", "6,3,2"}, Args{"--heading", "0.4,0.5"}}) {
-    const Outcome one =
-        locate(with({"--scan", path("symmetric.yaml"), "--top", "1"}, prior), "maps/hall.yaml");
-    ASSERT_EQ(one.code, 0) << one.err;
-    EXPECT_NE(one.out.find("found: one place"), std::string::npos) << one.out;
-  }
+  const Args both = locate({"--scan", path("symmetric.yaml")}, "maps/hall.yaml");
+  expect_parts(done(both).out, {"ambiguous: 2 places"});
+  for (const Args& prior : {Args{"--near", "6,3,2"}, Args{"--heading", "0.4,0.5"}})
+    expect_parts(done(with(with(both, {"--top", "1"}), prior)).out, {"found: one place"});
 }
 
 TEST_F(LocateProgram, TakesAScanFromALog) {
   const Args log{"--log", "maps/logs/malaga_corridor.log.gz", "--scan-number", "7"};
-  const Outcome o = locate(log, "maps/malaga_corridor.yaml");
-  EXPECT_EQ(o.code, 0) << o.err;
-  EXPECT_NE(o.out.find("scan 7 of maps/logs/malaga_corridor.log.gz"), std::string::npos) << o.out;
+  const Outcome o = done(locate(log, "maps/malaga_corridor.yaml"));
+  expect_parts(o.out, {"scan 7 of maps/logs/malaga_corridor.log.gz"});
 }
 
 TEST_F(LocateProgram, NothingFoundHasACodeOfItsOwn) {
-  const Outcome blind = locate({"--scan", path("blind.yaml"), "--out", path("blind")});
+  const Outcome blind = call(locate({"--scan", path("blind.yaml"), "--out", path("blind")}));
   EXPECT_EQ(blind.code, 7);
-  EXPECT_NE(blind.out.find("none"), std::string::npos);
+  expect_parts(blind.out, {"none"});
   EXPECT_TRUE(blind.err.empty()) << blind.err;
   EXPECT_EQ(json_of("blind/hypotheses.json")["verdict"], "none");
-  EXPECT_EQ(locate({"--scan", path("scan.yaml")}, "maps/empty.yaml").code, 7);  // a map without walls
+  EXPECT_EQ(call(locate({"--scan", path("scan.yaml")}, "maps/empty.yaml")).code, 7);  // a map without walls
 }
 
 TEST_F(LocateProgram, ErrorsAreOneLineWithACode) {
@@ -114,13 +100,12 @@ TEST_F(LocateProgram, ErrorsAreOneLineWithACode) {
       {{"--log", log, "--at", "100000"}, 3, "ends before"},
       {{"--scan", scan, "--out", "/dev/null/x"}, 5, "/dev/null/x"},
   };
-  for (const ProgramCase& c : cases) expect_error(locate(c.args), c);
+  for (const ProgramCase& c : cases) expect_error(call(locate(c.args)), c);
 }
 
 TEST_F(LocateProgram, HelpFitsAScreen) {
-  const Outcome o = call({"locate", "--help"});
-  EXPECT_EQ(o.code, 0);
-  EXPECT_LE(std::count(o.out.begin(), o.out.end(), '\n'), 24);
+  const std::string help = done({"locate", "--help"}).out;
+  EXPECT_LE(std::count(help.begin(), help.end(), '\n'), 24);
 }
 
 }  // namespace

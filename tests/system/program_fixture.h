@@ -6,9 +6,9 @@
 #include <algorithm>
 #include <memory>
 #include <nlohmann/json.hpp>
-#include <string>
 
 #include "tests/system/program_runner.h"
+#include "tests/unit/expect.h"
 
 namespace parloc::test {
 
@@ -29,8 +29,11 @@ struct ProgramCase {
 
 inline void expect_one_line(const Outcome& o, int code, const std::string& words) {
   EXPECT_EQ(o.code, code) << o.err << o.out;
-  EXPECT_NE(o.err.find(words), std::string::npos) << "'" << words << "' in\n" << o.err;
+  expect_parts(o.err, {words});
   EXPECT_EQ(std::count(o.err.begin(), o.err.end(), '\n'), 1) << o.err;
+}
+inline void expect_png(const std::string& path) {
+  EXPECT_EQ(content_of(path).substr(1, 3), "PNG") << path;
 }
 /// Of a command that could not do what was asked: nothing is printed but that line.
 inline void expect_error(const Outcome& o, const ProgramCase& c) {
@@ -49,7 +52,26 @@ class ProgramSuite : public testing::Test {
   static void TearDownTestSuite() { runner.reset(); }
   static std::string path(const std::string& name) { return runner->path(name); }
   static Outcome call(const Args& args) { return runner->call(args); }
-  static Json json_of(const std::string& name) { return Json::parse(read_file(path(name))); }
+  /// A call that must succeed.
+  static Outcome done(const Args& args) {
+    const Outcome o = call(args);
+    EXPECT_EQ(o.code, 0) << o.err << testing::PrintToString(args);
+    return o;
+  }
+  /// What it prints as JSON.
+  static Json told(const Args& args) { return Json::parse(done(args).out); }
+  /// A call that is broken off once it has said these words on standard error, and keeps what it has.
+  static Outcome broken_off(const Args& args, const std::string& words, int signal_number = SIGINT) {
+    const pid_t child = runner->start(args);
+    runner->wait_for(words);
+    kill(child, signal_number);
+    const Outcome o = runner->finish(child);
+    EXPECT_EQ(o.code, 130) << o.err;
+    return o;
+  }
+  static void write(const std::string& name, const std::string& text) { write_file(path(name), text); }
+  static std::string read(const std::string& name) { return content_of(path(name)); }
+  static Json json_of(const std::string& name) { return Json::parse(read(name)); }
 
   static inline std::unique_ptr<ProgramRunner> runner;
 };

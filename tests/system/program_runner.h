@@ -7,27 +7,18 @@
 #include <unistd.h>
 
 #include <chrono>
-#include <filesystem>
-#include <fstream>
 #include <functional>
 #include <map>
-#include <sstream>
-#include <string>
-#include <system_error>
 #include <thread>
 #include <utility>
 #include <vector>
+
+#include "tests/unit/temp_file.h"
 
 namespace parloc::test {
 
 using Args = std::vector<std::string>;
 
-inline std::string read_file(const std::filesystem::path& path) {
-  std::ifstream file(path, std::ios::binary);
-  std::ostringstream text;
-  text << file.rdbuf();
-  return text.str();
-}
 inline void write_file(const std::filesystem::path& path, const std::string& text) {
   std::ofstream(path, std::ios::binary) << text;
 }
@@ -38,7 +29,7 @@ inline std::map<std::string, std::string> contents(const std::filesystem::path& 
   std::map<std::string, std::string> files;
   if (!fs::exists(folder)) return files;
   for (const auto& entry : fs::recursive_directory_iterator(folder)) {
-    files[entry.path().string()] = entry.is_regular_file() ? read_file(entry.path()) : "";
+    files[entry.path().string()] = entry.is_regular_file() ? content_of(entry.path()) : "";
   }
   return files;
 }
@@ -88,15 +79,15 @@ class ProgramRunner {
   Outcome finish(pid_t child) const {
     int status = 0;
     waitpid(child, &status, 0);
-    return {WIFEXITED(status) ? WEXITSTATUS(status) : -1, read_file(path("stdout")),
-            read_file(path("stderr"))};
+    return {WIFEXITED(status) ? WEXITSTATUS(status) : -1, content_of(path("stdout")),
+            content_of(path("stderr"))};
   }
   Outcome call(const Args& args) const { return finish(start(args)); }
 
   /// Waits until the running program has printed `part` on standard error, a minute at most.
   void wait_for(const std::string& part) const {
     const auto deadline = std::chrono::steady_clock::now() + std::chrono::seconds(60);
-    while (read_file(path("stderr")).find(part) == std::string::npos &&
+    while (content_of(path("stderr")).find(part) == std::string::npos &&
            std::chrono::steady_clock::now() < deadline) {
       std::this_thread::sleep_for(std::chrono::milliseconds(5));
     }

@@ -3,14 +3,7 @@
 #include <gtest/gtest.h>
 #include <signal.h>
 
-#include <algorithm>
-#include <cmath>
-#include <filesystem>
-#include <functional>
 #include <sstream>
-#include <string>
-#include <utility>
-#include <vector>
 
 #include "common/io/trajectory.h"
 #include "common/map/map_reader.h"
@@ -28,12 +21,11 @@ class Program : public ProgramSuite {
  protected:
   static void SetUpTestSuite() {
     open("parloc_program_test");
-    folder = runner->folder();
     room = small_room();
     drive = small_drive(room, kScans);
-    write_map((folder / "room.yaml").string(), room);
-    write_file(folder / "drive.log", carmen_log_of(drive));
-    write_tum((folder / "truth.tum").string(), drive.truth);
+    write_map(path("room.yaml"), room);
+    write("drive.log", carmen_log_of(drive));
+    write_tum(path("truth.tum"), drive.truth);
   }
 
   /// A small `parloc run` on the room; later arguments win over none of these, so leave out what is to be
@@ -48,37 +40,30 @@ class Program : public ProgramSuite {
     return with(run_args({"--truth", path("truth.tum"), "--particles", "300"}), more);
   }
 
-  static inline fs::path folder;
   static inline GridMap room;
   static inline SmallDrive drive;
 };
 
 TEST_F(Program, LocalizesAndWritesEverything) {
-  const Outcome outcome = call(with_truth());
-  ASSERT_EQ(outcome.code, 0) << outcome.err;
-  EXPECT_NE(outcome.out.find("digest"), std::string::npos) << outcome.out;
-  EXPECT_NE(outcome.out.find(path("out/report.html")), std::string::npos);
-  EXPECT_NE(outcome.err.find("100 %"), std::string::npos)
-      << outcome.err;  // plain progress lines: no terminal here
-  EXPECT_EQ(outcome.err.find('\r'), std::string::npos);
+  const Outcome outcome = done(with_truth());
+  expect_parts(outcome.out, {"digest", path("out/report.html")});
+  expect_parts(outcome.err, {"100 %"});  // plain progress lines: no terminal here
+  expect_none_of(outcome.err, {"\r"});
 
   const Trajectory trajectory = read_tum(path("out/trajectory.tum"));
   ASSERT_EQ(trajectory.size(), static_cast<std::size_t>(kScans));
   for (int k = 0; k < kScans; ++k) EXPECT_DOUBLE_EQ(trajectory[k].stamp_s, drive.truth[k].stamp_s);
-  const std::string first_row = read_file(path("out/trajectory.tum")).substr(0, 400);
-  EXPECT_NE(first_row.find("100.000000 "), std::string::npos) << first_row;
+  expect_parts(read("out/trajectory.tum").substr(0, 400), {"100.000000 "});  // the first row
 
-  EXPECT_EQ(read_file(path("out/picture.png")).substr(1, 3), "PNG");
-  EXPECT_NE(read_file(path("out/report.html")).find("</html>"), std::string::npos);
-  const Json metrics = json_of("out/metrics.json");
-  EXPECT_LT(metrics.at("position_max_m").get<double>(), 0.2);  // two cells
-  EXPECT_EQ(read_file(path("out/errors.png")).substr(1, 3), "PNG");
-  EXPECT_EQ(contents(folder / "out").size(), 5u);  // nothing temporary is left
+  expect_png(path("out/picture.png"));
+  expect_parts(read("out/report.html"), {"</html>"});
+  EXPECT_LT(json_of("out/metrics.json").at("position_max_m").get<double>(), 0.2);  // two cells
+  expect_png(path("out/errors.png"));
+  EXPECT_EQ(contents(path("out")).size(), 5u);  // nothing temporary is left
 }
 
 TEST_F(Program, JsonIsAllThatIsPrinted) {
-  const Outcome outcome = call(with_truth({"--json", "--quiet", "--seed", "7", "--beams", "3"}));
-  ASSERT_EQ(outcome.code, 0) << outcome.err;
+  const Outcome outcome = done(with_truth({"--json", "--quiet", "--seed", "7", "--beams", "3"}));
   EXPECT_EQ(outcome.err, "");
   const Json metrics = Json::parse(outcome.out);
   for (const char* key :
@@ -94,40 +79,36 @@ TEST_F(Program, JsonIsAllThatIsPrinted) {
   EXPECT_EQ(metrics.at("seed"), 7);
   EXPECT_EQ(metrics.at("config").at("scan").at("max_beams"), 3);
   EXPECT_EQ(metrics.at("interrupted"), false);
-  EXPECT_NE(metrics.at("backend").get<std::string>().find("cpu"), std::string::npos);
+  expect_parts(metrics.at("backend"), {"cpu"});
   EXPECT_EQ(metrics.at("digest").get<std::string>().size(), 64u);
   EXPECT_TRUE(metrics.at("relations").is_null());
 }
 
 TEST_F(Program, WithoutTruthErrorsAreNull) {
-  const Outcome outcome = call(run_args({"--init", "1,1,0", "--json", "--particles", "300"}));
-  ASSERT_EQ(outcome.code, 0) << outcome.err;
-  const Json metrics = Json::parse(outcome.out);
+  const Json metrics = told(run_args({"--init", "1,1,0", "--json", "--particles", "300"}));
   EXPECT_TRUE(metrics.at("position_rmse_m").is_null());
   EXPECT_TRUE(metrics.at("heading_mae_rad").is_null());
 }
 
 TEST_F(Program, OdometryOnlyMovesParticlesWithoutScans) {
   const auto figures = [&](const Args& more) {
-    const Outcome outcome =
-        call(with(run_args({"--particles", "300", "--odometry-only", "--json"}, "drive.log", "alone"), more));
-    EXPECT_EQ(outcome.code, 0) << outcome.err;
-    const Json metrics = Json::parse(outcome.out);
+    const Args alone = run_args({"--particles", "300", "--odometry-only", "--json"}, "drive.log", "alone");
+    const Json metrics = told(with(alone, more));
     EXPECT_EQ(metrics.at("odometry_only"), true);
     EXPECT_EQ(metrics.at("beams_used"), 0);
     EXPECT_EQ(metrics.at("steps"), kScans);
-    EXPECT_EQ(read_file(path("alone/picture.png")).substr(1, 3), "PNG");
-    EXPECT_NE(read_file(path("alone/report.html")).find("class=\"trail\""), std::string::npos);
+    expect_png(path("alone/picture.png"));
+    expect_parts(read("alone/report.html"), {"class=\"trail\""});
     return metrics;
   };
   const Json with_truth = figures({"--truth", path("truth.tum")});
   EXPECT_LT(with_truth.at("odometry").at("position_max_m").get<double>(), 1e-6);  // the drive's is exact
-  EXPECT_NE(read_file(path("alone/report.html")).find("Error in heading"), std::string::npos);
+  expect_parts(read("alone/report.html"), {"Error in heading"});
   EXPECT_TRUE(fs::exists(path("alone/errors.png")));
 
   const Json without_truth = figures({"--init", "1,1,0"});
   EXPECT_TRUE(without_truth.at("odometry").is_null());
-  EXPECT_EQ(read_file(path("alone/report.html")).find("Error in heading"), std::string::npos);
+  expect_none_of(read("alone/report.html"), {"Error in heading"});
   EXPECT_FALSE(fs::exists(path("alone/errors.png")));  // nor is that of the run before left
 }
 
@@ -137,19 +118,15 @@ TEST_F(Program, RelationsAreCompared) {
   line.precision(9);
   line << std::fixed << drive.truth[0].stamp_s << ' ' << drive.truth[20].stamp_s << ' ' << delta.x_m << ' '
        << delta.y_m << " 0 0 0 " << delta.theta_rad << '\n';
-  write_file(path("relations.txt"), line.str());
-  const Outcome outcome = call(with_truth({"--relations", path("relations.txt"), "--json"}));
-  ASSERT_EQ(outcome.code, 0) << outcome.err;
-  const Json relations = Json::parse(outcome.out).at("relations");
+  write("relations.txt", line.str());
+  const Json relations = told(with_truth({"--relations", path("relations.txt"), "--json"})).at("relations");
   EXPECT_EQ(relations.at("compared"), 1);
   EXPECT_LT(relations.at("translation_mean_m").get<double>(), 0.2);
 }
 
 TEST_F(Program, SameSeedSameDigest) {
   const auto digest = [&](const Args& more) {
-    const Outcome outcome = call(with_truth(more));
-    EXPECT_EQ(outcome.code, 0) << outcome.err;
-    return outcome.code == 0 ? Json::parse(outcome.out).at("digest").get<std::string>() : "";
+    return told(with_truth(more)).at("digest").get<std::string>();
   };
   const std::string one = digest({"--json", "--seed", "5", "--threads", "1"});
   EXPECT_EQ(digest({"--json", "--seed", "5", "--threads", "2"}), one);
@@ -158,20 +135,21 @@ TEST_F(Program, SameSeedSameDigest) {
 
 TEST_F(Program, ErrorsAreOneLineAndDestroyNothing) {
   ASSERT_EQ(call(with_truth({"--quiet"})).code, 0);
-  const auto before = contents(folder / "out");
-  write_file(path("a_file"), "");
-  write_file(path("no_scan.log"), "ODOM 0 0 0 0 0 0 1.0 host 1.0\n");
-  write_file(path("misspelt.yaml"), "particles: 5\nsensor:\n  sigma_hitt: 1\n");
-  write_file(path("type.yaml"), "particles: many\n");
-  write_file(path("value.yaml"), "sensor:\n  tempering: 7\n");
-  write_file(path("truncated.pgm"), read_file(path("room.pgm")).substr(0, 300));
-  std::string yaml = read_file(path("room.yaml"));
-  write_file(path("truncated.yaml"), yaml.replace(yaml.find("room.pgm"), 8, "truncated.pgm"));
-  write_file(path("unknown_key.yaml"), read_file(path("room.yaml")) + "colour: red\n");
-  write_file(path("late.tum"), "900.0 1 1 0 0 0 0 1\n");
+  const auto before = contents(path("out"));
+  write("a_file", "");
+  write("no_scan.log", "ODOM 0 0 0 0 0 0 1.0 host 1.0\n");
+  write("misspelt.yaml", "particles: 5\nsensor:\n  sigma_hitt: 1\n");
+  write("type.yaml", "particles: many\n");
+  write("value.yaml", "sensor:\n  tempering: 7\n");
+  write("truncated.pgm", read("room.pgm").substr(0, 300));
+  std::string yaml = read("room.yaml");
+  write("truncated.yaml", yaml.replace(yaml.find("room.pgm"), 8, "truncated.pgm"));
+  write("unknown_key.yaml", read("room.yaml") + "colour: red\n");
+  write("late.tum", "900.0 1 1 0 0 0 0 1\n");
   const std::string init = "--init=1,1,0";
-  const auto on_map = [&](const std::string& map) {
-    return Args{"run", "--map", path(map), "--log", path("drive.log"), "--out", path("out"), init};
+  const auto on_map = [&](const std::string& map, const Args& more = {}) {
+    const Args run{"run", "--map", path(map), "--log", path("drive.log"), "--out", path("out"), init};
+    return with(run, more);
   };
 
   std::vector<ProgramCase> cases{
@@ -186,9 +164,7 @@ TEST_F(Program, ErrorsAreOneLineAndDestroyNothing) {
       {run_args({init, "--seed", "18446744073709551616"}), 2, "--seed"},
       {run_args({init, "--seed", ""}), 2, "--seed"},
       {run_args({init, "--threads", "-2"}), 2, "threads must be 0 to 1024"},
-      {{"run", "--map", path("room.yaml"), "--log", path("drive.log"), init, "--backend", "gpu"},
-       2,
-       "--backend: gpu not in {auto,cpu,cuda}"},
+      {on_map("room.yaml", {"--backend", "gpu"}), 2, "--backend: gpu not in {auto,cpu,cuda}"},
       {run_args({}), 2, "--init"},
       {run_args({"--init", "1,2"}), 2, "--init 1,2"},
       {run_args({"--init", "nan,1,0"}), 2, "--init nan,1,0"},
@@ -214,14 +190,10 @@ TEST_F(Program, ErrorsAreOneLineAndDestroyNothing) {
       {{"config", "--config", path("misspelt.yaml")}, 4, "sigma_hitt"},
       {{"simulate"}, 2, "--scenario"},
   };
-  if (call({"devices"}).out.find("cuda: not in this build") != std::string::npos) {
-    cases.push_back({{"run", "--map", path("room.yaml"), "--log", path("drive.log"), "--out", path("out"),
-                      init, "--backend", "cuda"},
-                     6,
-                     "cuda"});
-  }
+  if (call({"devices"}).out.find("cuda: not in this build") != std::string::npos)
+    cases.push_back({on_map("room.yaml", {"--backend", "cuda"}), 6, "cuda"});
   for (const ProgramCase& c : cases) expect_error(call(c.args), c);
-  EXPECT_TRUE(contents(folder / "out") == before);
+  EXPECT_TRUE(contents(path("out")) == before);
 }
 
 TEST_F(Program, AFailedRunLeavesNoFolder) {
@@ -233,8 +205,8 @@ TEST_F(Program, AFolderInTheWayIsSeenBeforeTheWork) {
   fs::create_directories(path("blocked/metrics.json"));
   const Outcome outcome = call(run_args({"--init", "1,1,0"}, "drive.log", "blocked"));
   EXPECT_EQ(outcome.code, 5);
-  EXPECT_NE(outcome.err.find("blocked/metrics.json"), std::string::npos) << outcome.err;
-  EXPECT_EQ(outcome.err.find('%'), std::string::npos) << outcome.err;  // no progress: no work was done
+  expect_parts(outcome.err, {"blocked/metrics.json"});
+  expect_none_of(outcome.err, {"%"});  // no progress: no work was done
 }
 
 TEST_F(Program, StandardOutputThatIsFullIsAnError) {
@@ -243,52 +215,40 @@ TEST_F(Program, StandardOutputThatIsFullIsAnError) {
   EXPECT_EQ(outcome.code, 5) << outcome.err;
 }
 
-/// Five logs, each with one trouble, and what is counted for it.
-struct Trouble {
-  const char* name;
-  std::string log;
-  std::vector<std::string> counter;  ///< Where in metrics.json.
-};
-
 TEST_F(Program, TroublesAreCountedAndFatalWhenStrict) {
   const auto log_with = [&](const std::function<void(std::vector<LogRecord>&)>& change) {
     SmallDrive changed = drive;
     change(changed.scans);
     return carmen_log_of(changed);
   };
+  const auto with_range = [&](float range_m) {
+    return log_with([&](auto& scans) { scans[5].scan.ranges_m[7] = range_m; });
+  };
   std::string broken = carmen_log_of(drive);
   broken.insert(broken.find('\n') + 1, "FLASER 3 1.0 two 3.0 0 0 0 0 0 0 1 host 1\n");
-  const std::vector<Trouble> troubles{
-      {"broken.log", broken, {"warnings", "broken_lines"}},
-      {"backward.log",
-       log_with([](auto& scans) { std::swap(scans[3], scans[4]); }),
-       {"warnings", "backward_stamps"}},
-      {"beams.log",
-       log_with([](auto& scans) { scans[5].scan.ranges_m.pop_back(); }),
-       {"warnings", "beam_count_changes"}},
-      {"nan.log", log_with([](auto& scans) { scans[5].scan.ranges_m[7] = NAN; }), {"beams_rejected", "nan"}},
-      {"inf.log",
-       log_with([](auto& scans) { scans[5].scan.ranges_m[7] = -INFINITY; }),
-       {"beams_rejected", "infinite"}},
-      {"negative.log",
-       log_with([](auto& scans) { scans[5].scan.ranges_m[7] = -1; }),
-       {"beams_rejected", "negative"}},
-      {"zero.log", log_with([](auto& scans) { scans[5].scan.ranges_m[7] = 0; }), {"beams_rejected", "zero"}},
-      {"short.log",
-       log_with([](auto& scans) { scans[5].scan.ranges_m[7] = 0.01f; }),
-       {"beams_rejected", "below_min"}},
-      {"jump.log",
-       log_with([](auto& scans) { scans.back().odometry.x_m += 5; }),
-       {"warnings", "odometry_jumps"}}};
-  for (const Trouble& trouble : troubles) {
-    write_file(path(trouble.name), trouble.log);
-    const Args args = run_args({"--init", "1,1,0", "--json", "--quiet", "--particles", "300"}, trouble.name);
-    const Outcome tolerant = call(args);
-    ASSERT_EQ(tolerant.code, 0) << trouble.name << tolerant.err;
-    EXPECT_GT(Json::parse(tolerant.out).at(trouble.counter[0]).at(trouble.counter[1]), 0) << trouble.name;
+  const struct {
+    const char *group, *counter;  // in metrics.json
+    std::string log;              // with this one trouble
+  } troubles[] = {
+      {"warnings", "broken_lines", broken},
+      {"warnings", "backward_stamps", log_with([](auto& scans) { std::swap(scans[3], scans[4]); })},
+      {"warnings", "beam_count_changes", log_with([](auto& scans) { scans[5].scan.ranges_m.pop_back(); })},
+      {"warnings", "odometry_jumps", log_with([](auto& scans) { scans.back().odometry.x_m += 5; })},
+      {"beams_rejected", "nan", with_range(NAN)},
+      {"beams_rejected", "infinite", with_range(-INFINITY)},
+      {"beams_rejected", "negative", with_range(-1.0f)},
+      {"beams_rejected", "zero", with_range(0.0f)},
+      {"beams_rejected", "below_min", with_range(0.01f)},
+  };
+  for (const auto& trouble : troubles) {
+    SCOPED_TRACE(trouble.counter);
+    const std::string name = std::string(trouble.counter) + ".log";
+    write(name, trouble.log);
+    const Args args = run_args({"--init", "1,1,0", "--json", "--quiet", "--particles", "300"}, name);
+    EXPECT_GT(told(args).at(trouble.group).at(trouble.counter), 0);
     const Outcome strict = call(with(args, {"--strict"}));
-    expect_one_line(strict, 3, std::string(trouble.name) + ":");
-    EXPECT_NE(strict.err.find("--strict"), std::string::npos) << strict.err;
+    expect_one_line(strict, 3, name + ":");
+    expect_parts(strict.err, {"--strict"});
   }
   EXPECT_EQ(call(run_args({"--init", "1,1,0", "--quiet", "--particles", "300", "--strict"})).code, 0);
 }
@@ -296,67 +256,46 @@ TEST_F(Program, TroublesAreCountedAndFatalWhenStrict) {
 TEST_F(Program, InterruptedRunsKeepWhatTheyHave) {
   // 40 scans of a million particles take seconds; the first progress line says that a tenth is done.
   for (const int signal_number : {SIGINT, SIGTERM}) {
-    const pid_t child = runner->start(run_args(
-        {"--init", "1,1,0", "--particles", "1000000", "--threads", "1", "--json"}, "drive.log", "cut"));
-    runner->wait_for("%");
-    kill(child, signal_number);
-    const Outcome outcome = runner->finish(child);
-    ASSERT_EQ(outcome.code, 130) << outcome.err;
+    const Args many{"--init", "1,1,0", "--particles", "1000000", "--threads", "1", "--json"};
+    const Outcome outcome = broken_off(run_args(many, "drive.log", "cut"), "%", signal_number);
     const std::size_t rows = read_tum(path("cut/trajectory.tum")).size();
     EXPECT_GE(rows, 1u);
     EXPECT_LT(rows, static_cast<std::size_t>(kScans));
     const Json metrics = Json::parse(outcome.out);
     EXPECT_EQ(metrics.at("interrupted"), true);
     EXPECT_EQ(metrics.at("scans"), rows);
-    EXPECT_EQ(contents(folder / "cut").size(), 4u);
+    EXPECT_EQ(contents(path("cut")).size(), 4u);
   }
 }
 
 TEST_F(Program, SimulatedLogsAreLocalized) {
-  write_file(path("path.yaml"),
-             "speed: 0.5\nturn_rate: 0.6\npoints:\n  - [1.0, 1.0]\n  - [3.0, 1.0]\n  - [3.0, 2.5]\n");
+  write("path.yaml", "speed: 0.5\nturn_rate: 0.6\npoints:\n  - [1.0, 1.0]\n  - [3.0, 1.0]\n  - [3.0, 2.5]\n");
   const auto simulate = [&](const std::string& out, const std::string& seed) {
-    const Outcome outcome = call({"simulate", "--map", path("room.yaml"), "--path", path("path.yaml"),
+    const Outcome outcome = done({"simulate", "--map", path("room.yaml"), "--path", path("path.yaml"),
                                   "--out", path(out), "--seed", seed, "--quiet"});
-    EXPECT_EQ(outcome.code, 0) << outcome.err;
     EXPECT_EQ(outcome.out + outcome.err, "");
-    return read_file(path(out + "/scans.log"));
+    return read(out + "/scans.log");
   };
   const std::string log = simulate("sim", "3");
   EXPECT_EQ(simulate("sim_again", "3"), log);
   EXPECT_NE(simulate("sim_other", "4"), log);
-  const Outcome outcome =
-      call({"run", "--map", path("room.yaml"), "--log", path("sim/scans.log"), "--truth",
-            path("sim/truth.tum"), "--out", path("sim_out"), "--backend", "cpu", "--json"});
-  ASSERT_EQ(outcome.code, 0) << outcome.err;
-  EXPECT_LT(Json::parse(outcome.out).at("position_max_m").get<double>(), 0.3);  // three cells, with noise
+  const Json metrics =
+      told(run_args({"--truth", path("sim/truth.tum"), "--json"}, "sim/scans.log", "sim_out"));
+  EXPECT_LT(metrics.at("position_max_m").get<double>(), 0.3);  // three cells, with noise
 }
 
 TEST_F(Program, PrintedConfigurationIsAConfiguration) {
-  const Outcome defaults = call({"config"});
-  ASSERT_EQ(defaults.code, 0);
-  write_file(path("defaults.yaml"), defaults.out);
-  const Outcome again = call({"config", "--config", path("defaults.yaml")});
-  EXPECT_EQ(again.code, 0) << again.err;
-  EXPECT_EQ(again.out, defaults.out);
+  const std::string defaults = done({"config"}).out;
+  write("defaults.yaml", defaults);
+  EXPECT_EQ(done({"config", "--config", path("defaults.yaml")}).out, defaults);
 }
 
 TEST_F(Program, EveryHelpFitsAScreen) {
-  for (const Args& args : std::vector<Args>{{"--help"},
-                                            {"run", "--help"},
-                                            {"simulate", "--help"},
-                                            {"map", "--help"},
-                                            {"map", "info", "--help"},
-                                            {"map", "check", "--help"},
-                                            {"map", "convert", "--help"},
-                                            {"map", "show", "--help"},
-                                            {"config", "--help"},
-                                            {"evaluate", "--help"},
-                                            {"slam", "--help"},
-                                            {"bench", "--help"},
-                                            {"devices", "--help"}}) {
-    const Outcome outcome = call(args);
-    EXPECT_EQ(outcome.code, 0) << args[0];
+  const Args none, info{"map", "info"}, check{"map", "check"}, convert{"map", "convert"}, show{"map", "show"};
+  for (const Args& command :
+       {none, Args{"run"}, Args{"simulate"}, Args{"map"}, info, check, convert, show, Args{"config"},
+        Args{"evaluate"}, Args{"compare"}, Args{"slam"}, Args{"bench"}, Args{"devices"}}) {
+    const Outcome outcome = done(with(command, {"--help"}));
     EXPECT_EQ(outcome.err, "");
     std::istringstream lines(outcome.out);
     std::string line;
@@ -365,29 +304,25 @@ TEST_F(Program, EveryHelpFitsAScreen) {
       ++count;
       EXPECT_LE(line.size(), 80u) << line;
     }
-    EXPECT_GT(count, 3) << args[0];
+    EXPECT_GT(count, 3) << outcome.out;
     EXPECT_LE(count, 24) << outcome.out;
   }
   EXPECT_EQ(call({"--version"}).out.rfind("parloc ", 0), 0u);
 }
 
 TEST_F(Program, LearnErrorsAreOneLine) {
-  write_file(path("nothing.log"), "");
-  const auto learn = [&](const std::string& log, const Args& more) {
-    return call(with({"learn", "--map", path("room.yaml"), "--log", log, "--truth", path("truth.tum"),
-                      "--out", path("learned"), "--quiet"},
-                     more));
-  };
-  expect_one_line(learn(path("nothing.log"), {}), 3,
+  write("nothing.log", "");
+  const Args learn{"learn",           "--map", path("room.yaml"), "--truth",
+                   path("truth.tum"), "--out", path("learned"),   "--quiet"};
+  expect_one_line(call(with(learn, {"--log", path("nothing.log")})), 3,
                   "nothing.log: expected at least 100 beams with a true pose");
-  expect_one_line(learn(path("drive.log"), {"--beams", "0"}), 2, "scan.max_beams must be 1 to 4096");
+  expect_one_line(call(with(learn, {"--log", path("drive.log"), "--beams", "0"})), 2,
+                  "scan.max_beams must be 1 to 4096");
   EXPECT_FALSE(fs::exists(path("learned")));
 }
 
 TEST_F(Program, TellsAboutDevices) {
-  const Outcome devices = call({"devices"});
-  EXPECT_EQ(devices.code, 0) << devices.err;
-  EXPECT_NE(devices.out.find("cpu"), std::string::npos) << devices.out;
+  expect_parts(done({"devices"}).out, {"cpu"});
 }
 
 }  // namespace

@@ -3,11 +3,9 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
-#include <cmath>
 #include <cstdio>
 #include <limits>
 #include <numbers>
-#include <string>
 
 #include "common/eval/metrics.h"
 #include "common/map/map_reader.h"
@@ -22,7 +20,6 @@ constexpr double kNoBar = std::numeric_limits<double>::infinity();
 /// Upper limits of the errors over every scan of a log. The real references are themselves 3 to 6 cm off, so
 /// what the track is worth without them is the relation error; tb3_house is simulated and its truth exact.
 struct RealLog {
-  const char* name;
   const char* folder;
   const char* map;
   double mean_m = kNoBar, max_m = kNoBar, relation_m = kNoBar;
@@ -47,7 +44,7 @@ TEST_P(RealLogs, AreLocalizedWithinTheirBars) {
   const TrackErrors errors = compare_tracks(run.trajectory, request.truth);
   const double heading_deg = errors.heading_rmse_rad * 180.0 / std::numbers::pi;
   std::printf("%s: %zu scans in %.1f s; mean %.4f m, max %.3f m, RMSE %.4f m, heading RMSE %.3f degrees\n",
-              bars.name, run.scans, run.wall_s, errors.position_mae_m, errors.position_max_m,
+              bars.folder, run.scans, run.wall_s, errors.position_mae_m, errors.position_max_m,
               errors.position_rmse_m, heading_deg);
 
   EXPECT_EQ(run.lost_steps, 0u);
@@ -59,7 +56,7 @@ TEST_P(RealLogs, AreLocalizedWithinTheirBars) {
   EXPECT_LE(heading_deg, bars.heading_rmse_deg);
   if (bars.relation_m < kNoBar) {
     const RelationErrors relations = compare_relations(run.trajectory, read_relations(file("relations.txt")));
-    std::printf("%s: %zu relations, mean error %.4f m\n", bars.name, relations.compared,
+    std::printf("%s: %zu relations, mean error %.4f m\n", bars.folder, relations.compared,
                 relations.translation_mean_m);
     EXPECT_GT(relations.compared, 1000u);
     EXPECT_EQ(relations.without_pose, 0u);
@@ -67,25 +64,13 @@ TEST_P(RealLogs, AreLocalizedWithinTheirBars) {
   }
 }
 
-INSTANTIATE_TEST_SUITE_P(All, RealLogs,
-                         testing::Values(RealLog{.name = "intel",
-                                                 .folder = "intel",
-                                                 .map = "map.yaml",
-                                                 .mean_m = 0.080,
-                                                 .max_m = 0.35,
-                                                 .relation_m = 0.045},
-                                         RealLog{.name = "aces",
-                                                 .folder = "aces",
-                                                 .map = "map.yaml",
-                                                 .mean_m = 0.075,
-                                                 .max_m = 0.40,
-                                                 .relation_m = 0.050},
-                                         RealLog{.name = "tb3_house",
-                                                 .folder = "tb3_house",
-                                                 .map = "map_05.yaml",
-                                                 .rmse_m = 0.03,
-                                                 .heading_rmse_deg = 1.25}),
-                         [](const auto& one) { return std::string(one.param.name); });
+INSTANTIATE_TEST_SUITE_P(
+    All, RealLogs,
+    testing::Values(
+        RealLog{.folder = "intel", .map = "map.yaml", .mean_m = 0.080, .max_m = 0.35, .relation_m = 0.045},
+        RealLog{.folder = "aces", .map = "map.yaml", .mean_m = 0.075, .max_m = 0.40, .relation_m = 0.050},
+        RealLog{.folder = "tb3_house", .map = "map_05.yaml", .rmse_m = 0.03, .heading_rmse_deg = 1.25}),
+    [](const auto& one) { return std::string(one.param.folder); });
 
 // ACES is nearly the same after half a turn: the start must be right, or said to be in doubt with the right
 // place among those named. The first 300 scans, one minute.

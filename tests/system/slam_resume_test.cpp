@@ -2,9 +2,6 @@
 // of a run that was not.
 #include <gtest/gtest.h>
 
-#include <filesystem>
-#include <string>
-
 #include "common/io/trajectory.h"
 #include "tests/system/program_fixture.h"
 #include "tests/unit/small_drive.h"
@@ -21,14 +18,12 @@ class SlamResume : public ProgramSuite {
   static void SetUpTestSuite() {
     open("parloc_slam_resume_test");
     const SmallDrive drive = small_drive(small_room(), kScans);
-    const std::string log = carmen_log_of(drive);
-    write_file(path("drive.log"), log);
+    write("drive.log", carmen_log_of(drive));
     SmallDrive other = drive;
     other.scans[1].scan.ranges_m[7] += 0.01f;
-    write_file(path("other.log"), carmen_log_of(other));
+    write("other.log", carmen_log_of(other));
     // A slow matcher: the whole takes seconds, so that there is time to break it off.
-    write_file(path("slow.yaml"),
-               "slam:\n  update_min_d: 0.01\n  iterations: 20\n  max_beams: 61\n  particles: 20\n");
+    write("slow.yaml", "slam:\n  update_min_d: 0.01\n  iterations: 20\n  max_beams: 61\n  particles: 20\n");
   }
   static Args args(const std::string& out, const Args& more = {}) {
     return with({"slam", "--log", path("drive.log"), "--backend", "cpu", "--quiet", "--out", path(out)},
@@ -43,15 +38,19 @@ class SlamResume : public ProgramSuite {
       hidden += e.path().filename().string().front() == '.' ? 1 : 0;
     return hidden;
   }
-  static void wait_for_checkpoint(const std::string& out) {
+  /// Broken off when there is a checkpoint, of which it writes one every now and then.
+  static int code_of_broken_off(const Args& args, const std::string& out, int signal_number) {
+    const pid_t child = runner->start(with(args, {"--checkpoint-every", "0.1"}));
     for (int k = 0; k < 6000 && !fs::exists(path(out + "/checkpoint")); ++k)
       std::this_thread::sleep_for(std::chrono::milliseconds(10));
-    ASSERT_TRUE(fs::exists(path(out + "/checkpoint")));
+    EXPECT_TRUE(fs::exists(path(out + "/checkpoint")));
+    kill(child, signal_number);
+    return runner->finish(child).code;
   }
   static void expect_same_results(const std::string& a, const std::string& b) {
     for (const char* name : {"/map.pgm", "/map.yaml", "/trajectory.tum"}) {
-      EXPECT_FALSE(read_file(path(a + name)).empty()) << name;
-      EXPECT_TRUE(read_file(path(a + name)) == read_file(path(b + name))) << name;
+      EXPECT_FALSE(read(a + name).empty()) << name;
+      EXPECT_TRUE(read(a + name) == read(b + name)) << name;
     }
     EXPECT_EQ(json_of(a + "/metrics.json").at("digest"), json_of(b + "/metrics.json").at("digest"));
     EXPECT_FALSE(fs::exists(path(b + "/checkpoint")));
@@ -59,7 +58,7 @@ class SlamResume : public ProgramSuite {
   }
   /// When the pictures of the growing map in the report are from.
   static std::vector<std::string> moments_of(const std::string& out) {
-    const std::string page = read_file(path(out + "/report.html")), key = "time in the log";
+    const std::string page = read(out + "/report.html"), key = "time in the log";
     std::vector<std::string> moments;
     for (std::size_t at = 0; (at = page.find(key, at)) != std::string::npos; at += key.size())
       moments.push_back(page.substr(at, 60));
@@ -69,16 +68,11 @@ class SlamResume : public ProgramSuite {
 };
 
 TEST_F(SlamResume, EndsAsIfThereHadBeenNoBreak) {
-  const Outcome whole = call(fresh("whole"));
-  ASSERT_EQ(whole.code, 0) << whole.err;
+  done(fresh("whole"));
   EXPECT_FALSE(fs::exists(path("whole/checkpoint")));
 
   // Ctrl-C: a map, and a checkpoint.
-  pid_t child = runner->start(fresh("cut", {"--checkpoint-every", "0.1"}));
-  wait_for_checkpoint("cut");
-  kill(child, SIGINT);
-  const Outcome cut = runner->finish(child);
-  ASSERT_EQ(cut.code, 130) << cut.err;
+  ASSERT_EQ(code_of_broken_off(fresh("cut"), "cut", SIGINT), 130);
   const std::size_t rows = read_tum(path("cut/trajectory.tum")).size();
   EXPECT_LT(rows, static_cast<std::size_t>(kScans));
   EXPECT_EQ(json_of("cut/metrics.json").at("interrupted"), true);
@@ -86,8 +80,7 @@ TEST_F(SlamResume, EndsAsIfThereHadBeenNoBreak) {
   fs::copy(path("cut"), path("cut_again"));
 
   // Into another folder; a checkpoint that is read stays.
-  const Outcome resumed = call(args("resumed", {"--resume", path("cut"), "--threads", "2"}));
-  ASSERT_EQ(resumed.code, 0) << resumed.err;
+  done(args("resumed", {"--resume", path("cut"), "--threads", "2"}));
   EXPECT_EQ(json_of("resumed/metrics.json").at("resumed_at"), rows);
   EXPECT_EQ(json_of("resumed/metrics.json").at("scans"), kScans);
   expect_same_results("whole", "resumed");
@@ -95,26 +88,19 @@ TEST_F(SlamResume, EndsAsIfThereHadBeenNoBreak) {
 
   // Killed on the way, and gone on from what was written every now and then, in the same folder.
   fs::remove(path("killed/checkpoint"));
-  child = runner->start(args("killed", {"--resume", path("cut/checkpoint"), "--checkpoint-every", "0.1"}));
-  wait_for_checkpoint("killed");
-  kill(child, SIGKILL);
-  EXPECT_EQ(runner->finish(child).code, -1);
+  EXPECT_EQ(code_of_broken_off(args("killed", {"--resume", path("cut/checkpoint")}), "killed", SIGKILL), -1);
   EXPECT_EQ(hidden_in("killed"), 1u);
-  const Outcome last = call({"slam", "--log", path("drive.log"), "--resume", path("killed"), "--quiet"});
-  ASSERT_EQ(last.code, 0) << last.err;
+  done({"slam", "--log", path("drive.log"), "--resume", path("killed"), "--quiet"});
   EXPECT_GT(json_of("killed/metrics.json").at("resumed_at"), rows);
   expect_same_results("whole", "killed");
   EXPECT_EQ(hidden_in("killed"), 0u) << "what the killed run left behind";
 }
 
 TEST_F(SlamResume, WhatDoesNotFitIsOneLine) {
-  const pid_t child = runner->start(fresh("fits", {"--checkpoint-every", "0.1"}));
-  wait_for_checkpoint("fits");
-  kill(child, SIGTERM);
-  ASSERT_EQ(runner->finish(child).code, 130);
-  const std::string good = read_file(path("fits/checkpoint"));
-  write_file(path("short"), good.substr(0, good.size() / 2));
-  write_file(path("faster.yaml"), "slam:\n  iterations: 4\n");
+  ASSERT_EQ(code_of_broken_off(fresh("fits"), "fits", SIGTERM), 130);
+  const std::string good = read("fits/checkpoint");
+  write("short", good.substr(0, good.size() / 2));
+  write("faster.yaml", "slam:\n  iterations: 4\n");
   fs::create_directories(path("empty"));
   const auto resume = [&](const std::string& log, const Args& more) {
     return with({"slam", "--log", path(log), "--quiet", "--out", path("none")}, more);
@@ -133,8 +119,7 @@ TEST_F(SlamResume, WhatDoesNotFitIsOneLine) {
   for (const ProgramCase& c : cases) expect_error(call(c.args), c);
   EXPECT_FALSE(fs::exists(path("none")));
   // The settings that it was made with are no contradiction.
-  const Outcome same = call(with(fresh("same"), fits));
-  EXPECT_EQ(same.code, 0) << same.err;
+  done(with(fresh("same"), fits));
 }
 
 TEST_F(SlamResume, ALogThatEndsTooEarlyIsAnotherLog) {
@@ -145,8 +130,8 @@ TEST_F(SlamResume, ALogThatEndsTooEarlyIsAnotherLog) {
   const Outcome cut = runner->finish(child);
   ASSERT_EQ(cut.code, 130) << cut.err;
   ASSERT_TRUE(fs::exists(path("late/checkpoint"))) << cut.err;
-  const std::string log = read_file(path("drive.log"));
-  write_file(path("one.log"), log.substr(0, log.find('\n') + 1));
+  const std::string log = read("drive.log");
+  write("one.log", log.substr(0, log.find('\n') + 1));
   expect_one_line(call({"slam", "--log", path("one.log"), "--resume", path("late"), "--quiet"}), 3,
                   "one.log: expected the log of the checkpoint");
 }

@@ -5,6 +5,8 @@
 
 #include <cmath>
 
+#include "tests/unit/expect.h"
+
 namespace parloc {
 namespace {
 
@@ -27,9 +29,7 @@ TEST(BestAlignment, UndoesARigidTransform) {
   for (const Pose& T : {Pose{0, 0, 0}, Pose{5, -70, 3.0}, Pose{-1e3, 2, -1.6}}) {
     const auto found = best_alignment(transformed(T, bent_path()), bent_path());
     ASSERT_TRUE(found);
-    EXPECT_NEAR(found->x_m, T.x_m, 1e-9);  // 1e3 m have 1e-13 of themselves
-    EXPECT_NEAR(found->y_m, T.y_m, 1e-9);
-    EXPECT_NEAR(found->theta_rad, T.theta_rad, 1e-11);
+    expect_near(*found, T, 1e-9, 1e-11);  // 1e3 m have 1e-13 of themselves
   }
 }
 

@@ -2,10 +2,6 @@
 // is found again, a cloud that is widened.
 #include <gtest/gtest.h>
 
-#include <cmath>
-#include <string>
-#include <vector>
-
 #include "common/filter/particle_filter.h"
 #include "common/math/philox.h"
 #include "common/math/portable64.h"
@@ -42,11 +38,7 @@ class Robot {
     ++step_;
   }
   Scan scan() const {
-    Scan s;
-    s.stamp_s = 0.1 * step_;
-    s.angle_min_rad = -2.35;
-    s.angle_step_rad = 4.7 / 89.0;
-    s.range_max_m = 6.0;
+    Scan s{.stamp_s = 0.1 * step_, .angle_min_rad = -2.35, .angle_step_rad = 4.7 / 89.0, .range_max_m = 6.0};
     for (std::uint32_t i = 0; i < 90; ++i) {
       const double angle_rad = truth.theta_rad + s.angle_min_rad + i * s.angle_step_rad;
       const double range_m = cast_simulated_ray(map_, truth.x_m, truth.y_m, angle_rad, s.range_max_m).range_m;
@@ -55,7 +47,13 @@ class Robot {
     }
     return s;
   }
-  double off_m(const Estimate& e) const { return std::hypot(e.pose.x_m - truth.x_m, e.pose.y_m - truth.y_m); }
+  double off_m(const Estimate& e) const { return distance_m(e.pose, truth); }
+  /// Drives on, and what the filter says at the end.
+  Estimate drive(ParticleFilter& filter, int steps) {
+    Estimate e;
+    for (int k = 0; k < steps; ++k) drive(), e = filter.step(odometry, scan());
+    return e;
+  }
 
  private:
   const GridMap& map_;
@@ -80,14 +78,8 @@ TEST(Amcl, AGlobalStartFindsTheRobotAndShrinks) {
     robot.put(2.0, 1.8);
     ParticleFilter filter(adaptive(seed), map);
     filter.start_anywhere();
-    Estimate e;
-    for (int k = 0; k < 60; ++k) {
-      robot.drive();
-      e = filter.step(robot.odometry, robot.scan());
-      if (k == 0) {
-        EXPECT_EQ(e.particles, 20000u);
-      }
-    }
+    EXPECT_EQ(robot.drive(filter, 1).particles, 20000u);
+    const Estimate e = robot.drive(filter, 59);
     EXPECT_LT(robot.off_m(e), 0.1) << seed;
     EXPECT_LT(e.particles, 1000u) << seed;
     EXPECT_GE(e.particles, 100u) << seed;
@@ -102,16 +94,11 @@ int steps_to_find(const FilterConfig& config, std::uint64_t seed, int most, Esti
   robot.put(2.0, 1.8);
   ParticleFilter filter(config, map);
   filter.start_at(robot.truth, 0.1, 0.1, 0.05);
-  for (int k = 0; k < 60; ++k) {
-    robot.drive();
-    last = filter.step(robot.odometry, robot.scan());
-  }
-  EXPECT_LT(robot.off_m(last), 0.1) << seed;
+  EXPECT_LT(robot.off_m(robot.drive(filter, 60)), 0.1) << seed;
   robot.put(9.5, 5.4);  // nobody tells the filter
   int found = 0;
   for (int k = 1; k <= most; ++k) {
-    robot.drive();
-    last = filter.step(robot.odometry, robot.scan());
+    last = robot.drive(filter, 1);
     if (robot.off_m(last) > 0.3) found = 0;
     if (robot.off_m(last) < 0.3 && found == 0) found = k;
   }
@@ -153,17 +140,9 @@ TEST(Amcl, AWidenedCloudFindsARobotNearby) {
     robot.put(2.0, 4.8);
     ParticleFilter filter(config, map);
     filter.start_at(robot.truth, 0.1, 0.1, 0.05);
-    Estimate e;
-    for (int k = 0; k < 40; ++k) {
-      robot.drive();
-      e = filter.step(robot.odometry, robot.scan());
-    }
+    robot.drive(filter, 40);
     robot.truth = compose(robot.truth, {1.0, 1.1, 0.4});
-    for (int k = 0; k < 60; ++k) {
-      robot.drive();
-      e = filter.step(robot.odometry, robot.scan());
-    }
-    return robot.off_m(e);
+    return robot.off_m(robot.drive(filter, 60));
   };
   for (const std::uint64_t seed : {1, 2, 3}) {
     FilterConfig c = adaptive(seed);
@@ -183,10 +162,7 @@ TEST(Amcl, EqualLimitsAreTheFixedFilter) {
     robot.put(2.0, 1.8);
     ParticleFilter filter(c, map);
     filter.start_at(robot.truth, 0.1, 0.1, 0.05);
-    for (int k = 0; k < 10; ++k) {
-      robot.drive();
-      EXPECT_EQ(filter.step(robot.odometry, robot.scan()).particles, 700u);
-    }
+    for (int k = 0; k < 10; ++k) EXPECT_EQ(robot.drive(filter, 1).particles, 700u);
     return filter.digest();
   };
   const std::string fixed = digest(0, 0, 700);

@@ -6,29 +6,14 @@
 
 #include <algorithm>
 #include <cmath>
-#include <functional>
-#include <limits>
-#include <string>
-#include <vector>
 
-#include "common/error.h"
+#include "tests/unit/expect.h"
 #include "tests/unit/taken_beams.h"
 
 namespace parloc {
 namespace {
 
 using namespace test;
-
-std::string message_of(const std::function<void()>& action) {
-  try {
-    action();
-  } catch (const Error& e) {
-    EXPECT_EQ(e.kind(), ErrorKind::input);
-    return e.what();
-  }
-  ADD_FAILURE() << "no error";
-  return {};
-}
 
 // ---- what a value means ----------------------------------------------------------------------------------
 
@@ -87,17 +72,18 @@ TEST(BeamValues, LimitsComeFromTheLidarThenTheLogThenTheScanGroup) {
   ScanConfig config;
   config.laser_min_range = 0.3;
   config.laser_max_range = 7.0;
-  EXPECT_EQ(lidar_setup(scan, config).range_max_m, 7.0);
-  EXPECT_EQ(lidar_setup(scan, config).range_min_m, 0.3);
+  const auto expect_limits = [&](double least_m, double most_m, const LidarConfig* lidar = nullptr) {
+    EXPECT_EQ(lidar_setup(scan, config, lidar).range_min_m, least_m);
+    EXPECT_EQ(lidar_setup(scan, config, lidar).range_max_m, most_m);
+  };
+  expect_limits(0.3, 7.0);
   scan.range_max_m = 20.0;
   scan.range_min_m = 0.02;
-  EXPECT_EQ(lidar_setup(scan, config).range_max_m, 20.0);
-  EXPECT_EQ(lidar_setup(scan, config).range_min_m, 0.02);
+  expect_limits(0.02, 20.0);
   LidarConfig lidar;
   lidar.max_range = 5.0;
   lidar.min_range = 0.0;
-  EXPECT_EQ(lidar_setup(scan, config, &lidar).range_max_m, 5.0);
-  EXPECT_EQ(lidar_setup(scan, config, &lidar).range_min_m, 0.0);
+  expect_limits(0.0, 5.0, &lidar);
 }
 
 // ---- which beams are taken -------------------------------------------------------------------------------
@@ -201,14 +187,14 @@ TEST(BeamChoice, RefusesArraysThatDoNotFit) {
   Scan scan = fan(3);
   scan.sensor = "front";
   scan.bearings_rad = {0, 1};
-  EXPECT_EQ(message_of([&] { take(scan); }), "scan front: expected one of bearings_rad per range (3), got 2");
+  EXPECT_EQ(error_of([&] { take(scan); }), "scan front: expected one of bearings_rad per range (3), got 2");
   scan.bearings_rad = {0, 2, 1};
-  EXPECT_EQ(message_of([&] { take(scan); }), "scan front: expected bearings_rad in order");
+  EXPECT_EQ(error_of([&] { take(scan); }), "scan front: expected bearings_rad in order");
   scan.bearings_rad = {0, 1, NAN};
-  EXPECT_EQ(message_of([&] { take(scan); }), "scan front: expected bearings_rad that are finite");
+  EXPECT_EQ(error_of([&] { take(scan); }), "scan front: expected bearings_rad that are finite");
   scan.bearings_rad.clear();
   scan.beam_times_s = {0, 1, 2, 3};
-  EXPECT_EQ(message_of([&] { take(scan); }), "scan front: expected one of beam_times_s per range (3), got 4");
+  EXPECT_EQ(error_of([&] { take(scan); }), "scan front: expected one of beam_times_s per range (3), got 4");
 }
 
 // ---- how the LiDAR is mounted ----------------------------------------------------------------------------
@@ -250,7 +236,7 @@ TEST(Mounting, DirectionsAreRememberedOnlyAsLongAsNothingChanges) {
   LidarConfig turned, mirrored;
   turned.yaw = 0.7;
   mirrored.upside_down = true;
-  OdometryTrack track(1.0);
+  OdometryTrack track(MotionConfig{});
   for (int k = 0; k < 6; ++k) track.add(99.9 + 0.05 * k, {0.02 * k, 0.0, 0.01 * k});
   Scan uneven = fan(40);
   for (int i = 0; i < 40; ++i) uneven.bearings_rad.push_back(0.001 * i * i);
@@ -258,21 +244,12 @@ TEST(Mounting, DirectionsAreRememberedOnlyAsLongAsNothingChanges) {
   less_uneven.bearings_rad[20] += 0.01;
   struct Turn {
     Scan scan;
-    const LidarConfig* lidar;
-    const OdometryTrack* track;
+    const LidarConfig* lidar = nullptr;
+    const OdometryTrack* track = nullptr;
   };
-  const Turn turns[] = {{fan(40), nullptr, nullptr},
-                        {fan(40), nullptr, nullptr},
-                        {fan(40), &turned, nullptr},
-                        {fan(40), &mirrored, nullptr},
-                        {fan(41), nullptr, nullptr},
-                        {fan(41, -1.9), nullptr, nullptr},
-                        {fan(41, -1.9, 0.02), nullptr, nullptr},
-                        {uneven, nullptr, nullptr},
-                        {less_uneven, nullptr, nullptr},
-                        {fan(40), nullptr, nullptr},
-                        {fan(40), nullptr, &track},
-                        {fan(40), nullptr, nullptr}};
+  const Turn turns[] = {{fan(40)},     {fan(40)},       {fan(40), &turned},         {fan(40), &mirrored},
+                        {fan(41)},     {fan(41, -1.9)}, {fan(41, -1.9, 0.02)},      {uneven},
+                        {less_uneven}, {fan(40)},       {fan(40), nullptr, &track}, {fan(40)}};
   BeamDirections directions;
   for (const Turn& t : turns) {
     ScanConfig config;

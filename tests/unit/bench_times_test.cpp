@@ -2,13 +2,9 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
-#include <cstdint>
 #include <numeric>
-#include <optional>
-#include <vector>
 
 #include "tests/unit/timing_rules.h"
-#include "tools/bench/steps/bisect.h"
 #include "tools/bench/steps/measure.h"
 #include "tools/report/machine/statistics.h"
 

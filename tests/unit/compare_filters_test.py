@@ -1,7 +1,6 @@
 #!/usr/bin/env python3
 """tools/studies/compare_filters.py: which bars it calls kept, and the page that it writes of its results."""
 
-import copy
 import json
 import pathlib
 import sys
@@ -37,29 +36,25 @@ def result(*rows, unmapped=None):
     return {"plan": {"unmapped_hits": unmapped, "first_seed": 21, "seeds": 20}, "published": PUBLISHED, "filters": list(rows)}
 
 
-GOOD = {"house": {"1e-4": result(row("ekf", 0.05, 0.02), row("edh@100", 0.019, 0.009, particles=100))}}
+def house(ekf, edh):
+    return {"house": {"1e-4": result(ekf, edh)}}
+
+
+EKF, EDH = row("ekf", 0.05, 0.02), row("edh@100", 0.019, 0.009, particles=100)  # at the published figures, and under them
 
 
 class Bars(unittest.TestCase):
-    def test_published_figures_themselves_are_good_enough(self):
-        self.assertTrue(all(holds for _, _, holds in compare_filters.judged(GOOD)))
-        self.assertEqual(len(compare_filters.judged(GOOD)), 3)
-
-    def test_a_worse_heading_misses(self):
-        bad = copy.deepcopy(GOOD)
-        bad["house"]["1e-4"]["filters"][0]["heading_rmse_rad"] = pair(0.0201)
-        self.assertEqual([holds for _, _, holds in compare_filters.judged(bad)], [True, False, True])
-
-    # The means are of the runs that are left: good ones say nothing of a filter that lost the others.
-    def test_a_lost_run_misses(self):
-        bad = copy.deepcopy(GOOD)
-        bad["house"]["1e-4"]["filters"][1]["lost"] = 1
-        self.assertEqual([holds for _, _, holds in compare_filters.judged(bad)], [False, True, False])
-
-    def test_a_filter_that_lost_all_runs_misses(self):
-        bad = {"house": {"1e-4": result(row("ekf", 0.05, 0.02), row("edh@100", None, None, lost=20, particles=100))}}
-        bars = compare_filters.judged(bad)
-        self.assertEqual([holds for _, _, holds in bars], [False, True, False])
+    def test_which_bars_are_kept(self):
+        # The means are of the runs that are left: good ones say nothing of a filter that lost the others.
+        for name, ekf, edh, kept in (
+                ("published figures themselves are good enough", EKF, EDH, [True, True, True]),
+                ("a worse heading misses", row("ekf", 0.05, 0.0201), EDH, [True, False, True]),
+                ("a lost run misses", EKF, {**EDH, "lost": 1}, [False, True, False]),
+                ("a filter that lost all runs misses", EKF, row("edh@100", None, None, lost=20, particles=100),
+                 [False, True, False])):
+            with self.subTest(name):
+                bars = compare_filters.judged(house(ekf, edh))
+                self.assertEqual([holds for _, _, holds in bars], kept)
         self.assertEqual(bars[0][1], "20 lost, - m, - rad")
 
     def test_speed_is_that_of_the_median_step(self):
@@ -80,7 +75,7 @@ class Page(unittest.TestCase):
         self.assertIn("clutter 5 %: 5.0 %", text)
 
     def test_published_figures_stand_beside(self):
-        text = compare_filters.house_text(GOOD["house"])
+        text = compare_filters.house_text(house(EKF, EDH)["house"])
         self.assertIn("| edh@100 | 0 of 20 | 1.5 % | 0.0190 +- 0.0010 |", text)
         self.assertIn("| 0.0400 / 0.0200 |", text)
         self.assertIn("seeds 21 to 40", text)

@@ -3,11 +3,8 @@
 
 #include <algorithm>
 #include <atomic>
-#include <cmath>
-#include <optional>
 #include <thread>
 #include <utility>
-#include <vector>
 
 #include "common/config/config.h"
 #include "common/config/pose_filters.h"
@@ -54,19 +51,17 @@ TEST(CompareEntries, OwnSettingsGoOverTheCommonOnes) {
 }
 
 TEST(CompareEntries, WrongListsAreNamed) {
-  const auto usage = [](const std::string& list) {
-    return error_of([&] { read_entries(list, {}); }, ErrorKind::usage);
-  };
-  EXPECT_NE(usage("ekf,kalman").find("expected one of mcl amcl ekf"), std::string::npos);
-  EXPECT_NE(usage("").find("expected one of"), std::string::npos);
-  EXPECT_NE(usage("ekf,").find("expected one of"), std::string::npos);
-  EXPECT_NE(usage("edh@").find("something after '@'"), std::string::npos);
-  EXPECT_NE(usage("edh=").find("something after '='"), std::string::npos);
-  EXPECT_NE(usage("edh@ten").find("whole number"), std::string::npos);
-  EXPECT_NE(usage("edh@0").find("particles"), std::string::npos);
-  EXPECT_NE(usage("ekf@5").find("takes no number"), std::string::npos);
-  EXPECT_NE(usage("amcl@5").find("takes no number"), std::string::npos);
-  EXPECT_NE(usage("edh@5,edh@5").find("twice"), std::string::npos);
+  for (const auto& [list, part] : {std::pair{"ekf,kalman", "expected one of mcl amcl ekf"},
+                                   {"", "expected one of"},
+                                   {"ekf,", "expected one of"},
+                                   {"edh@", "something after '@'"},
+                                   {"edh=", "something after '='"},
+                                   {"edh@ten", "whole number"},
+                                   {"edh@0", "particles"},
+                                   {"ekf@5", "takes no number"},
+                                   {"amcl@5", "takes no number"},
+                                   {"edh@5,edh@5", "twice"}})
+    expect_parts(error_of([&l = list] { read_entries(l, {}); }, ErrorKind::usage), {part});
   error_of([] { read_entries("edh=missing.yaml", {}); }, ErrorKind::config);
 }
 
@@ -82,7 +77,7 @@ TEST(CompareDrives, AKidnappedRobotIsElsewhereAndItsOdometryIsNot) {
   while (log.records[at + 1].stamp_s < log.kidnapped_s) ++at;
   EXPECT_NEAR(log.records[at].stamp_s - log.records[0].stamp_s, 2.0, 0.05);
   const auto truth = truth_at(log.truth, {log.records[at].stamp_s, log.kidnapped_s});
-  const double far_m = std::hypot(truth[1]->x_m - truth[0]->x_m, truth[1]->y_m - truth[0]->y_m);
+  const double far_m = distance_m(*truth[1], *truth[0]);
   EXPECT_GE(far_m, 1.0);
   EXPECT_LT(far_m, 1.0 + 0.05);  // one step of the drive is 3 cm
   const auto step = [](const TrialLog& l, std::size_t k) {
@@ -90,10 +85,7 @@ TEST(CompareDrives, AKidnappedRobotIsElsewhereAndItsOdometryIsNot) {
   };
   EXPECT_EQ(step(log, at).x_m, 0.0);
   for (std::size_t k = at + 1; k + 1 < log.records.size(); ++k) {
-    const Pose is = step(log, k), was = step(before, k + gone);
-    EXPECT_NEAR(is.x_m, was.x_m, 1e-12);
-    EXPECT_NEAR(is.y_m, was.y_m, 1e-12);
-    EXPECT_NEAR(is.theta_rad, was.theta_rad, 1e-12);
+    expect_near(step(log, k), step(before, k + gone), 1e-12, 1e-12);
   }
   error_of([&] { kidnap(log, 0.0, 50.0); }, ErrorKind::input);
   error_of([&] { kidnap(log, 500.0, 1.0); }, ErrorKind::input);
@@ -172,8 +164,7 @@ TEST(CompareFollow, ARunIsLostWhenItIsLost) {
   EXPECT_NEAR(run->away, static_cast<double>(gone) / static_cast<double>(run->scans), 1e-9);
 }
 
-// ---- several threads
-// ---------------------------------------------------------------------------------------
+// ---- several threads --------------------------------------------------------------------------------------
 TEST(RunItems, EveryItemIsDoneOnceByAWorkerOfItsThread) {
   std::vector<int> done(100, 0), by(100, -1);
   run_items({100, 3, {}, {}}, [&](std::size_t thread, const KeepGoing&) -> Worker {

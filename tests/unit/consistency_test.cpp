@@ -1,8 +1,6 @@
 // NEES against values worked out by hand, and against draws from a known covariance.
 #include <gtest/gtest.h>
 
-#include <cmath>
-
 #include "common/eval/consistency.h"
 #include "common/math/philox.h"
 

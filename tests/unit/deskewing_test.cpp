@@ -1,11 +1,7 @@
 // When each beam of a scan was taken, and where the robot was then.
 #include <gtest/gtest.h>
 
-#include <algorithm>
 #include <cmath>
-#include <string>
-#include <utility>
-#include <vector>
 
 #include "common/model/beams.h"
 #include "tests/unit/taken_beams.h"
@@ -52,14 +48,17 @@ TEST(BeamTime, ComesFromTheLidarThenTheLogThenTheScanGroup) {
 
 // ---- deskewing -------------------------------------------------------------------------------------------
 
-/// Drives an arc: speed, turn rate, readings every 50 ms around the scan's stamp.
+/// Where a drive along an arc is after a time, in closed form and libm's arithmetic.
+Pose on_arc(double speed_mps, double turn_rad_s, double t) {
+  const double a = turn_rad_s * t;
+  const double chord = a == 0.0 ? speed_mps * t : speed_mps * t * std::sin(a / 2) / (a / 2);
+  return {chord * std::cos(a / 2), chord * std::sin(a / 2), a};
+}
+/// Readings every 50 ms around the scan's stamp.
 OdometryTrack arc(double speed_mps, double turn_rad_s) {
-  OdometryTrack track(1.0);
-  for (int k = -3; k <= 4; ++k) {
-    const double t = 0.05 * k, a = turn_rad_s * t;
-    const double chord = a == 0.0 ? speed_mps * t : speed_mps * t * std::sin(a / 2) / (a / 2);
-    track.add(100.0 + t, compose({5.0, -3.0, 2.0}, {chord * std::cos(a / 2), chord * std::sin(a / 2), a}));
-  }
+  OdometryTrack track(MotionConfig{});
+  for (int k = -3; k <= 4; ++k)
+    track.add(100.0 + 0.05 * k, compose({5.0, -3.0, 2.0}, on_arc(speed_mps, turn_rad_s, 0.05 * k)));
   return track;
 }
 
@@ -79,16 +78,13 @@ TEST(Deskewing, PutsEveryBeamWhereItWasTaken) {
         ASSERT_EQ(beams.hits, 49u);  // of the two, 20 is among those taken
         for (std::size_t m = 0; m < beams.hits; ++m) {
           const auto i = static_cast<double>(std::lround((beams.range_m[m] - 1.0f) * 100.0f));
-          // The robot's pose at the beam's time, in closed form and libm's arithmetic.
           const double t = 0.1 * (i / 199.0 - (at == StampAt::first    ? 0.0
                                                : at == StampAt::middle ? 0.5
                                                                        : 1.0));
-          const double a = turn_rad_s * t;
-          const double chord = a == 0.0 ? speed_mps * t : speed_mps * t * std::sin(a / 2) / (a / 2);
-          const double bx = chord * std::cos(a / 2), by = chord * std::sin(a / 2);
-          const double ox = bx + std::cos(a) * 0.2 + std::sin(a) * 0.1;
-          const double oy = by + std::sin(a) * 0.2 - std::cos(a) * 0.1;
-          const double angle = a + 0.3 - 3.0 + 0.03 * i;
+          const Pose robot = on_arc(speed_mps, turn_rad_s, t);
+          const double c = std::cos(robot.theta_rad), s = std::sin(robot.theta_rad);
+          const double ox = robot.x_m + c * 0.2 + s * 0.1, oy = robot.y_m + s * 0.2 - c * 0.1;
+          const double angle = robot.theta_rad + 0.3 - 3.0 + 0.03 * i;
           const double r = beams.range_m[m];
           // float32 of up to 3 m, and of up to 60 cells; the stamps near 100 s have 1.4e-14.
           EXPECT_NEAR(beams.origin_x[m], ox, 2e-7);
@@ -105,7 +101,7 @@ TEST(Deskewing, PutsEveryBeamWhereItWasTaken) {
 }
 
 TEST(Deskewing, OfAStandingRobotChangesNothing) {
-  OdometryTrack track(1.0);
+  OdometryTrack track(MotionConfig{});
   for (int k = 0; k < 6; ++k) track.add(99.9 + 0.05 * k, {5.0, -3.0, 2.0});
   const Scan scan = fan(397, -3.0, 0.015);
   ScanConfig config;

@@ -1,17 +1,12 @@
 // The exact distance field (SPEC 7.1), against brute force.
 #include <gtest/gtest.h>
 
-#include <algorithm>
-#include <cstdint>
-#include <cstdlib>
 #include <random>
-#include <utility>
-#include <vector>
 
 #include "common/error.h"
 #include "common/map/distance_field.h"
-#include "common/map/grid_map.h"
 #include "cuda/stages.h"  // its kernels, run on the host
+#include "tests/unit/map_t1.h"
 #include "tests/unit/measured_field.h"
 
 namespace parloc {
@@ -70,18 +65,7 @@ std::vector<Map> random_maps() {
 }
 
 TEST(DistanceField, TestMapT1) {
-  const GridMap map = grid_from_text(
-      {
-          "##########",  // j = 7
-          "#........#",
-          "#........#",
-          "#.....#..#",
-          "#........#",
-          "#..#.....#",
-          "#........#",
-          "##########",
-      },
-      0.5, {-1.0, -2.0, 0.0});
+  const GridMap map = test::map_t1();
   Mask mask;
   for (const Cell c : map.cells) mask.push_back(c == Cell::occupied ? 1 : 0);
   const DistanceField expected{

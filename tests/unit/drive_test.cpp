@@ -13,10 +13,8 @@ TEST(Drive, the_papers_path_is_17_m_long) {
   EXPECT_NEAR(path_length_m(scenario.path), 17.0, 0.02 * 17.0);
   double driven_m = 0.0;
   const SimulatedLog log = simulate(scenario, fine_hall());
-  for (std::size_t k = 1; k < log.truth.size(); ++k) {
-    driven_m += std::hypot(log.truth[k].pose.x_m - log.truth[k - 1].pose.x_m,
-                           log.truth[k].pose.y_m - log.truth[k - 1].pose.y_m);
-  }
+  for (std::size_t k = 1; k < log.truth.size(); ++k)
+    driven_m += distance_m(log.truth[k].pose, log.truth[k - 1].pose);
   EXPECT_NEAR(driven_m, 17.0, 0.02 * 17.0);
 }
 

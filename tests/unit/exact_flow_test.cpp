@@ -4,10 +4,6 @@
 
 #include <gtest/gtest.h>
 
-#include <array>
-#include <cmath>
-#include <random>
-
 #include "common/flow/cloud_move.h"
 #include "common/flow/mean_update.h"
 #include "common/flow/particle_flow.h"
@@ -30,6 +26,9 @@ void expect_near(const Vector3& a, const Vector3& b, double tolerance) {
 }
 void expect_near(const Matrix3& a, const Matrix3& b, double tolerance) {
   for (int i = 0; i < 9; ++i) EXPECT_NEAR(a.m[i], b.m[i], tolerance) << i;
+}
+void expect_diagonal(const Matrix3& a, const Vector3& diagonal, double tolerance) {
+  for (int i = 0; i < 3; ++i) EXPECT_NEAR(a(i, i), diagonal[i], tolerance) << i;
 }
 
 /// The linear problem of 7.11: 3 = H x + noise.
@@ -54,11 +53,20 @@ struct Toy {
     z.beams = 1;
     return z;
   }
-  template <class Step>
-  Vector3 flow(const FlowTimes& times, const Step& step) const {
+  FlowStep closed_form(const Stretch& t) const { return closed_form_step(t, s, r, y); }
+  FlowStep euler(const Stretch& t) const { return euler_step(t, s, r, y); }
+  FlowStep gromov(const Stretch& t) const { return gromov_step(t, s, r, y); }
+  /// How far x0 is from m0 after a step.
+  Vector3 moved(const FlowStep& step) const { return flowed(box_minus(x0, m0), step, k, h); }
+
+  using Form = FlowStep (Toy::*)(const Stretch& t) const;
+  Vector3 flow(Form form, const FlowTimes& times) const {
     Vector3 e = box_minus(x0, m0);
-    for (int j = 0; j < times.steps; ++j) e = flowed(e, step(times.stretch(j, s / r)), k, h);
+    for (int j = 0; j < times.steps; ++j) e = flowed(e, (this->*form)(times.stretch(j, s / r)), k, h);
     return box_plus(m0, e);
+  }
+  Vector3 flow(Form form, FlowSchedule schedule, int steps, double ratio) const {
+    return flow(form, flow_times(schedule, steps, ratio));
   }
 };
 
@@ -78,23 +86,20 @@ TEST(ScalarEkf, HasTheValuesOfTheSpecification) {
   const BeamTable beams = test::example_beams();
   const FieldMeasurement z = test::measure(t1.field, beams, test::example_pose());
   const PoseGaussian prior{test::example_pose(), diagonal3(0.01, 0.01, 0.0025)};
-  const Vector3 origin = vector3(-1, -2, 0);  // of T1's grid
-  constexpr double from_float = 5e-6;         // z is a float32 sum, and the gain has some ten times its error
-  {
-    const double r = psi_variance(z, {0.02 * 0.02, 0.0});
+  const auto updated = [&](double r, const Vector3& mean, double tolerance, double psi_m) {
     const PoseGaussian after = kalman_update(prior, z, r);
-    expect_near(plus(after.mean, 1.0, origin), vector3(0.311317602129, -0.175421135846, -0.139594270920),
-                1e-5);
-    EXPECT_NEAR(test::measure(t1.field, beams, after.mean).psi_m, 0.4577, 1e-4);
-  }
+    const Vector3 origin = vector3(-1, -2, 0);  // of T1's grid
+    expect_near(plus(after.mean, 1.0, origin), mean, tolerance);
+    EXPECT_NEAR(test::measure(t1.field, beams, after.mean).psi_m, psi_m, 1e-4);
+    return after;
+  };
+  // z is a float32 sum, and the gain has some ten times its error.
+  updated(psi_variance(z, {0.02 * 0.02, 0.0}), vector3(0.311317602129, -0.175421135846, -0.139594270920),
+          1e-5, 0.4577);
   const double r = psi_variance(z, {0.02 * 0.02, 0.1 * 0.1});
-  const PoseGaussian after = kalman_update(prior, z, r);
-  expect_near(plus(after.mean, 1.0, origin), vector3(0.738361130062, 0.108953727094, 0.157166030149),
-              from_float);
-  EXPECT_NEAR(after.covariance(0, 0), 0.009643159498, 1e-8);
-  EXPECT_NEAR(after.covariance(1, 1), 0.009841761462, 1e-8);
-  EXPECT_NEAR(after.covariance(2, 2), 0.002327677709, 1e-8);
-  EXPECT_NEAR(test::measure(t1.field, beams, after.mean).psi_m, 0.3081, 1e-4);
+  const PoseGaussian after =
+      updated(r, vector3(0.738361130062, 0.108953727094, 0.157166030149), 5e-6, 0.3081);
+  expect_diagonal(after.covariance, vector3(0.009643159498, 0.009841761462, 0.002327677709), 1e-8);
   EXPECT_NEAR(gate(prior.covariance, z, r, {}).nis, 10.647194651, 1e-4);
 }
 
@@ -139,9 +144,7 @@ TEST(VectorEkf, HasTheValuesOfTheSpecification) {
   const InformationStep step = information_step(prior, prior.mean, finish_information(sum, t1.field));
   ASSERT_TRUE(step.ok);
   expect_near(step.step, vector3(-0.159893979230, -0.047468237894, -0.122310218411), 2e-6);
-  EXPECT_NEAR(step.covariance(0, 0), 0.003430594599, 1e-8);
-  EXPECT_NEAR(step.covariance(1, 1), 0.003502117488, 1e-8);
-  EXPECT_NEAR(step.covariance(2, 2), 0.001818715401, 1e-8);
+  expect_diagonal(step.covariance, vector3(0.003430594599, 0.003502117488, 0.001818715401), 1e-8);
 }
 
 TEST(ExactFlow, SchedulesHaveTheValuesOfTheSpecification) {
@@ -161,22 +164,22 @@ TEST(ExactFlow, SchedulesHaveTheValuesOfTheSpecification) {
 
 TEST(ExactFlow, ClosedFormHasTheValuesOfTheSpecification) {
   const Toy toy;
-  const auto step = [&](const Stretch& t) { return closed_form_step(t, toy.s, toy.r, toy.y); };
   const Vector3 end = vector3(1.244227192944, -1.993053531714, 0.528424729902);
-  expect_near(toy.flow(flow_times(FlowSchedule::uniform, 1, 1), step), end, kExact);
-  expect_near(toy.flow(flow_times(FlowSchedule::uniform, 17, 1), step), end, kExact);
-  expect_near(toy.flow(flow_times(FlowSchedule::contract, 10, 1), step), end, kExact);
-  const Vector3 half_way = flowed(box_minus(toy.x0, toy.m0), step({0.0, 0.3}), toy.k, toy.h);
+  expect_near(toy.flow(&Toy::closed_form, FlowSchedule::uniform, 1, 1), end, kExact);
+  expect_near(toy.flow(&Toy::closed_form, FlowSchedule::uniform, 17, 1), end, kExact);
+  expect_near(toy.flow(&Toy::closed_form, FlowSchedule::contract, 10, 1), end, kExact);
+  const Vector3 half_way = toy.moved(toy.closed_form({0.0, 0.3}));
   expect_near(box_plus(toy.m0, half_way), vector3(1.262971694846, -2.062605499297, 0.535675892480), kExact);
 
+  const FlowStep step = toy.closed_form({0.0, 1.0});
   CloudMap map;
   map.clear();
-  map.append(step({0.0, 1.0}), toy.k, toy.h);
+  map.append(step, toy.k, toy.h);
   expect_near(map.a,
               matrix3({0.903901695101, 0.128131073198, -0.240245762247, 0.356575289229, 0.524566281028,
                        0.891438223073, -0.037174870579, 0.049566494106, 0.907062823552}),
               kExact);
-  EXPECT_NEAR(std::exp(log_determinant(step({0.0, 1.0}), toy.s)), 0.335530799681, kExact);
+  EXPECT_NEAR(std::exp(log_determinant(step, toy.s)), 0.335530799681, kExact);
   expect_near(sandwich(map.a, toy.p), toy.covariance, kExact);
   expect_near(box_plus(toy.m0, map.b), toy.mean, kExact);
 }
@@ -206,85 +209,68 @@ TEST(ExactFlow, ClosedFormSolvesThePublishedOrdinaryDifferentialEquation) {
     const Vector3 k4 = published_velocity(toy, at + h, plus(x, h, k3));
     x = plus(x, h / 6, plus(plus(plus(k1, 2.0, k2), 2.0, k3), 1.0, k4));
   }
-  const Vector3 closed = toy.flow(flow_times(FlowSchedule::uniform, 10, 1),
-                                  [&](const Stretch& t) { return closed_form_step(t, toy.s, toy.r, toy.y); });
-  expect_near(x, closed, 1e-10);
+  expect_near(x, toy.flow(&Toy::closed_form, FlowSchedule::uniform, 10, 1), 1e-10);
 }
 
 TEST(ExactFlow, EulerHasTheValuesOfTheSpecification) {
   const Toy toy;
-  const auto flow = [&](const FlowTimes& times) {
-    return toy.flow(times, [&](const Stretch& t) { return euler_step(t, toy.s, toy.r, toy.y); });
-  };
-  expect_near(flow(flow_times(FlowSchedule::uniform, 10, 1)),
+  expect_near(toy.flow(&Toy::euler, FlowSchedule::uniform, 10, 1),
               vector3(1.246282281079, -2.000678990320, 0.529219724523), kExact);
-  expect_near(flow(flow_times(FlowSchedule::exponential, 29, 1.2)),
+  expect_near(toy.flow(&Toy::euler, FlowSchedule::exponential, 29, 1.2),
               vector3(1.245000977011, -1.995924677855, 0.528724062159), kExact);
-  expect_near(flow(flow_times(FlowSchedule::exponential, 10, 1.3)),
+  expect_near(toy.flow(&Toy::euler, FlowSchedule::exponential, 10, 1.3),
               vector3(1.245750099844, -1.998704317842, 0.529013854413), kExact);
   // uniform, 1000 steps: more than a configuration may ask for
   Vector3 e = box_minus(toy.x0, toy.m0);
-  for (int j = 0; j < 1000; ++j)
-    e = flowed(e, euler_step({j / 1000.0, (j + 1) / 1000.0}, toy.s, toy.r, toy.y), toy.k, toy.h);
+  for (int j = 0; j < 1000; ++j) e = flowed(e, toy.euler({j / 1000.0, (j + 1) / 1000.0}), toy.k, toy.h);
   expect_near(box_plus(toy.m0, e), vector3(1.244246336946, -1.993124566035, 0.528432135608), kExact);
 }
 
 TEST(ExactFlow, EulerHasThePublishedVelocityAtTheStepsEnd) {
   const Toy toy;
-  const Vector3 e = box_minus(toy.x0, toy.m0);
-  const Vector3 moved_by =
-      plus(flowed(e, euler_step({0.2, 0.3}, toy.s, toy.r, toy.y), toy.k, toy.h), -1.0, e);
+  const Vector3 moved_by = plus(toy.moved(toy.euler({0.2, 0.3})), -1.0, box_minus(toy.x0, toy.m0));
   expect_near(moved_by, plus(Vector3{}, 0.1, published_velocity(toy, 0.3, toy.x0)), 1e-13);
 }
 
 /// Fraction of the innovation applied, and contraction over the exact one, of the table in 7.6.
 TEST(ExactFlow, EulerLagsBehindAsTheSpecificationSays) {
-  const auto contraction = [](const FlowTimes& times, double stiffness, double& applied) {
+  const struct {
+    FlowTimes times;
+    double stiffness, contraction, tolerance, applied;
+  } rows[] = {{flow_times(FlowSchedule::uniform, 10, 1), 1e4, 17.6, 0.05, 0.824},
+              {flow_times(FlowSchedule::exponential, 29, 1.2), 1e2, 1.10, 0.005, 0.976},
+              {flow_times(FlowSchedule::contract, 10, 1), 1e6, 9.2, 0.05, 0.993}};
+  for (const auto& row : rows) {
+    SCOPED_TRACE(row.stiffness);
     double width = 1.0, mean = 0.0;  // P = H = 1, so s = stiffness r
-    const double r = 1.0 / stiffness;
-    for (int j = 0; j < times.steps; ++j) {
-      const FlowStep f = euler_step(times.stretch(j, stiffness), 1.0, r, 1.0);
+    const double r = 1.0 / row.stiffness;
+    for (int j = 0; j < row.times.steps; ++j) {
+      const FlowStep f = euler_step(row.times.stretch(j, row.stiffness), 1.0, r, 1.0);
       width *= 1.0 - f.pull;
       mean += f.shift - f.pull * mean;
     }
-    applied = mean;
-    return width / std::sqrt(r / (1.0 + r));
-  };
-  double applied = 0.0;
-  EXPECT_NEAR(contraction(flow_times(FlowSchedule::uniform, 10, 1), 1e4, applied), 17.6, 0.05);
-  EXPECT_NEAR(applied, 0.824, 0.0005);
-  EXPECT_NEAR(contraction(flow_times(FlowSchedule::exponential, 29, 1.2), 1e2, applied), 1.10, 0.005);
-  EXPECT_NEAR(applied, 0.976, 0.0005);
-  EXPECT_NEAR(contraction(flow_times(FlowSchedule::contract, 10, 1), 1e6, applied), 9.2, 0.05);
-  EXPECT_NEAR(applied, 0.993, 0.0005);
+    EXPECT_NEAR(width / std::sqrt(r / (1.0 + r)), row.contraction, row.tolerance);
+    EXPECT_NEAR(mean, row.applied, 0.0005);
+  }
 }
 
 TEST(ExactFlow, GromovHasTheValuesOfTheSpecification) {
   const Toy toy;
-  const FlowStep f = gromov_step({0.0, 1.0}, toy.s, toy.r, toy.y);
-  Vector3 e = flowed(box_minus(toy.x0, toy.m0), f, toy.k, toy.h);
-  e = plus(e, 0.5 * f.noise, toy.k);
+  const FlowStep f = toy.gromov({0.0, 1.0});
+  const Vector3 e = plus(toy.moved(f), 0.5 * f.noise, toy.k);
   expect_near(box_plus(toy.m0, e), vector3(1.232620320856, -1.949985927385, 0.523934703068), kExact);
 }
 
-/// A cloud of the prior, moved by the float32 map of a flow in `steps` steps.
-struct Sample {
-  Vector3 mean;
-  Matrix3 covariance;
-};
-Sample moved_cloud(const Toy& toy, int steps, std::uint32_t count, bool stochastic) {
+/// Mean and covariance of a cloud of the prior, moved by the float32 map of a flow in `steps` steps.
+PoseGaussian moved_cloud(const Toy& toy, int steps, std::uint32_t count, Toy::Form form) {
   CloudMap map;
   map.clear();
   const FlowTimes times = flow_times(FlowSchedule::uniform, steps, 1);
-  for (int j = 0; j < steps; ++j) {
-    const Stretch t = times.stretch(j, toy.s / toy.r);
-    map.append(stochastic ? gromov_step(t, toy.s, toy.r, toy.y) : closed_form_step(t, toy.s, toy.r, toy.y),
-               toy.k, toy.h);
-  }
+  for (int j = 0; j < steps; ++j) map.append((toy.*form)(times.stretch(j, toy.s / toy.r)), toy.k, toy.h);
   CloudMove move;
   finish_cloud_move(map, toy.m0, move);
   const Cholesky3 root = cholesky(toy.p);
-  Sample sum;
+  PoseGaussian sum;
   for (std::uint32_t i = 0; i < count; ++i) {
     const Normals n = normals(philox(i, 0, Stream::gaussian_start, 0, 7));
     const Vector3 x = box_plus(toy.m0, multiply(root.l, vector3(n.n[0], n.n[1], n.n[2])));
@@ -301,9 +287,9 @@ Sample moved_cloud(const Toy& toy, int steps, std::uint32_t count, bool stochast
 // Five standard errors of 400,000 samples: 1.5e-3 of a mean (standard deviation 0.19), 4e-4 of a covariance.
 TEST(ExactFlow, CloudsBecomeTheKalmanPosterior) {
   const Toy toy;
-  for (const bool stochastic : {false, true}) {
+  for (const Toy::Form form : {&Toy::closed_form, &Toy::gromov}) {
     for (const int steps : {1, 5}) {
-      const Sample s = moved_cloud(toy, steps, 400'000, stochastic);
+      const PoseGaussian s = moved_cloud(toy, steps, 400'000, form);
       expect_near(s.mean, Vector3{}, 1.5e-3);
       expect_near(s.covariance, toy.covariance, 4e-4);
     }
@@ -316,7 +302,7 @@ TEST(ExactFlow, NoiseOfAllStepsTogetherMakesTheKalmanCovariance) {
     CloudMap map;
     map.clear();
     for (int j = 0; j < steps; ++j)
-      map.append(gromov_step({1.0 * j / steps, (j + 1.0) / steps}, toy.s, toy.r, toy.y), toy.k, toy.h);
+      map.append(toy.gromov({1.0 * j / steps, (j + 1.0) / steps}), toy.k, toy.h);
     const Matrix3 root = semidefinite_root(map.noise);
     Matrix3 spread = sandwich(map.a, toy.p);
     const Matrix3 noise = multiply_transposed(root, root);

@@ -4,10 +4,9 @@
 
 #include <gtest/gtest.h>
 
-#include <cmath>
 #include <random>
 
-#include "common/flow/scalar_ekf.h"
+#include "common/flow/kalman_update.h"
 #include "common/math/portable.h"
 #include "tests/unit/flow_scenes.h"
 #include "tests/unit/small_drive.h"
@@ -40,32 +39,24 @@ TEST(LaneSum, HasTheShapeOfTheSpecification) {
   EXPECT_EQ(sum(1000), 0x40ef88fau);
 }
 
-struct PatchCheck {
-  double x_m, y_m, distance_m, slope_x, slope_y;
-};
-
-TEST(FieldPatch, BilinearHasTheValuesOfTheSpecification) {
-  const MapField t1(test::map_t1(), kNoCap_m);
-  for (const PatchCheck& c : {PatchCheck{0.8, 0.15, 0.904142135624, 0.082842712475, 0.958578643763},
-                              PatchCheck{1.9, 0.4, 0.438492424049, -0.824264068712, 0.589949493661},
-                              PatchCheck{3.0, 1.0, 0.551776695297, -0.207106781187, -0.207106781187},
-                              PatchCheck{-0.9, -1.9, 0.0, 0.0, 0.0}}) {
+TEST(FieldPatch, HasTheValuesOfTheSpecification) {
+  const FieldInterpolation bilinear = FieldInterpolation::bilinear, cubic = FieldInterpolation::cubic;
+  const struct {
+    FieldInterpolation how;
+    double x_m, y_m, distance_m, slope_x, slope_y;
+  } checks[] = {{bilinear, 0.8, 0.15, 0.904142135624, 0.082842712475, 0.958578643763},
+                {bilinear, 1.9, 0.4, 0.438492424049, -0.824264068712, 0.589949493661},
+                {bilinear, 3.0, 1.0, 0.551776695297, -0.207106781187, -0.207106781187},
+                {bilinear, -0.9, -1.9, 0.0, 0.0, 0.0},
+                {cubic, 0.8, 0.15, 0.934633304325, 0.100075806487, 0.835869665273},
+                {cubic, 1.9, 0.4, 0.377538758362, -1.206414298746, 0.712544789844},
+                {cubic, 3.0, 1.0, 0.628029879985, -0.179743302148, -0.179743302148}};
+  for (const auto& c : checks) {
+    const MapField t1(test::map_t1(), kNoCap_m, c.how);
     const FieldValue f = field_at(t1.field, c.x_m, c.y_m);
-    EXPECT_NEAR(0.5 * f.distance, c.distance_m, kFloat);
-    EXPECT_NEAR(f.slope_x, c.slope_x, kFloat);
-    EXPECT_NEAR(f.slope_y, c.slope_y, kFloat);
-  }
-}
-
-TEST(FieldPatch, CubicHasTheValuesOfTheSpecification) {
-  const MapField t1(test::map_t1(), kNoCap_m, FieldInterpolation::cubic);
-  for (const PatchCheck& c : {PatchCheck{0.8, 0.15, 0.934633304325, 0.100075806487, 0.835869665273},
-                              PatchCheck{1.9, 0.4, 0.377538758362, -1.206414298746, 0.712544789844},
-                              PatchCheck{3.0, 1.0, 0.628029879985, -0.179743302148, -0.179743302148}}) {
-    const FieldValue f = field_at(t1.field, c.x_m, c.y_m);
-    EXPECT_NEAR(0.5 * f.distance, c.distance_m, kFloat);
-    EXPECT_NEAR(f.slope_x, c.slope_x, kFloat);
-    EXPECT_NEAR(f.slope_y, c.slope_y, kFloat);
+    EXPECT_NEAR(0.5 * f.distance, c.distance_m, kFloat) << c.x_m;
+    EXPECT_NEAR(f.slope_x, c.slope_x, kFloat) << c.x_m;
+    EXPECT_NEAR(f.slope_y, c.slope_y, kFloat) << c.x_m;
   }
 }
 

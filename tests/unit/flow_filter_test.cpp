@@ -5,15 +5,16 @@
 
 #include <gtest/gtest.h>
 
-#include <cmath>
 #include <limits>
 #include <random>
+#include <utility>
 
 #include "common/config/config.h"
-#include "common/error.h"
 #include "common/eval/metrics.h"
+#include "common/filter/particle_filter.h"
 #include "common/flow/pose_algebra.h"
 #include "tests/unit/allocation_count.h"
+#include "tests/unit/expect.h"
 #include "tests/unit/small_drive.h"
 
 namespace parloc {
@@ -64,8 +65,13 @@ Trajectory run(PoseFilter& filter, const Pose& start, const test::SmallDrive& dr
 
 class EveryFlowFilter : public testing::TestWithParam<std::string_view> {
  protected:
-  std::unique_ptr<PoseFilter> make(const Config& c, const GridMap& map) const {
-    return make_pose_filter(GetParam(), c, map);
+  std::unique_ptr<PoseFilter> make(const GridMap& map = test::small_room()) const {
+    return make_pose_filter(GetParam(), small_config(), map);
+  }
+  std::unique_ptr<PoseFilter> started(double sigma_xy_m = 0.1, double sigma_theta_rad = 0.05) const {
+    auto filter = make();
+    filter->start_at({1.0, 1.0, 0.0}, sigma_xy_m, sigma_xy_m, sigma_theta_rad);
+    return filter;
   }
 };
 
@@ -76,7 +82,7 @@ TEST_P(EveryFlowFilter, TracksARobot) {
     const Placed place = placed(yaw_rad);
     Trajectory truth = drive.truth;
     for (StampedPose& t : truth) t.pose = compose(place.map.T_map_grid, t.pose);
-    const auto filter = make(small_config(), place.map);
+    const auto filter = make(place.map);
     // ekf_beams takes these 61 beams for one (flow.beta): from a wrong start it needs longer than this drive.
     const bool patient = GetParam() == "ekf_beams";
     const Pose start = patient ? place.start : compose(place.start, {0.08, -0.06, 0.04});
@@ -94,7 +100,7 @@ TEST_P(EveryFlowFilter, TracksARobot) {
 TEST_P(EveryFlowFilter, SameSeedSameDigest) {
   const test::SmallDrive drive = drive_of(12);
   const Placed place = placed(0.5);
-  const auto filter = make(small_config(), place.map);
+  const auto filter = make(place.map);
   run(*filter, place.start, drive);
   const std::string first = filter->digest();
   run(*filter, place.start, drive);
@@ -121,11 +127,8 @@ double spread(const Estimate& e) {
 
 /// A scan of which nothing is near the map's walls.
 Scan scan_of(float range_m, int beams) {
-  Scan s;
-  s.angle_step_rad = 0.1;
-  s.range_max_m = 8.0;
-  s.ranges_m.assign(static_cast<std::size_t>(beams), range_m);
-  return s;
+  std::vector<float> ranges_m(static_cast<std::size_t>(beams), range_m);
+  return {.angle_step_rad = 0.1, .range_max_m = 8.0, .ranges_m = std::move(ranges_m)};
 }
 
 TEST_P(EveryFlowFilter, SaysWhyAScanWasOfNoUseAndGrowsLessSure) {
@@ -142,7 +145,7 @@ TEST_P(EveryFlowFilter, SaysWhyAScanWasOfNoUseAndGrowsLessSure) {
                            {walled, scan_of(9.0f, 30), "too few beams"},
                            {walled, scan_of(std::numeric_limits<float>::quiet_NaN(), 30), "too few beams"}};
   for (const Useless& u : cases) {
-    const auto filter = make(small_config(), u.map);
+    const auto filter = make(u.map);
     filter->start_at({2.0, 2.0, 0.0}, 0.05, 0.05, 0.02);
     Estimate first, last;
     for (int k = 0; k < 20; ++k) {
@@ -159,15 +162,13 @@ TEST_P(EveryFlowFilter, SaysWhyAScanWasOfNoUseAndGrowsLessSure) {
 
 TEST_P(EveryFlowFilter, AStartWithoutSpreadIsNoTrouble) {
   const test::SmallDrive drive = drive_of(5);
-  const auto filter = make(small_config(), test::small_room());
-  filter->start_at({1.0, 1.0, 0.0}, 0.0, 0.0, 0.0);
+  const auto filter = started(0.0, 0.0);
   for (const LogRecord& r : drive.scans) EXPECT_TRUE(proper(filter->step(r.odometry, r.scan)));
 }
 
 TEST_P(EveryFlowFilter, OdometryThatIsNotFiniteIsSkipped) {
   const test::SmallDrive drive = drive_of(3);
-  const auto filter = make(small_config(), test::small_room());
-  filter->start_at({1.0, 1.0, 0.0}, 0.1, 0.1, 0.05);
+  const auto filter = started();
   const Estimate before = filter->step(drive.scans[0].odometry, drive.scans[0].scan);
   const Estimate after = filter->step({NAN, 0.0, 0.0}, drive.scans[1].scan);
   EXPECT_EQ(before.pose.x_m, after.pose.x_m);
@@ -176,8 +177,7 @@ TEST_P(EveryFlowFilter, OdometryThatIsNotFiniteIsSkipped) {
 
 TEST_P(EveryFlowFilter, AStepAllocatesNothing) {
   const test::SmallDrive drive = drive_of(60);
-  const auto filter = make(small_config(), test::small_room());
-  filter->start_at({1.0, 1.0, 0.0}, 0.1, 0.1, 0.05);
+  const auto filter = started();
   // Two seconds of odometry are remembered.
   for (int k = 0; k < 30; ++k) filter->step(drive.scans[k].odometry, drive.scans[k].scan);
   const std::size_t before = test::allocations();
@@ -186,7 +186,7 @@ TEST_P(EveryFlowFilter, AStepAllocatesNothing) {
 }
 
 TEST_P(EveryFlowFilter, RefusesAStartOffTheMap) {
-  const auto filter = make(small_config(), test::small_room());
+  const auto filter = make();
   EXPECT_THROW(filter->start_at({100.0, 1.0, 0.0}, 0.1, 0.1, 0.1), Error);
   EXPECT_THROW(filter->start_at({1.0, NAN, 0.0}, 0.1, 0.1, 0.1), Error);
   EXPECT_THROW(filter->start_at({1.0, 1.0, 0.0}, -0.1, 0.1, 0.1), Error);
@@ -261,18 +261,11 @@ TEST(FlowFilters, ThePublishedSettingsAreAConfiguration) {
 }
 
 TEST(FlowFilters, ImpossibleSettingsAreRefused) {
-  const auto message = [](const std::string& text) -> std::string {
-    try {
-      config_from_text(text, "my.yaml");
-    } catch (const Error& e) {
-      return e.what();
-    }
-    return "";
-  };
-  EXPECT_NE(message("flow: {steps: 0}").find("flow.steps must be 1 to 100, got 0"), std::string::npos);
-  EXPECT_NE(message("flow: {max_dist: 0}").find("flow.max_dist must be above 0"), std::string::npos);
-  EXPECT_NE(message("flow: {prior: mean}").find("recentred, ekf or sample"), std::string::npos);
-  EXPECT_NE(message("flow: {scedule: uniform}").find("'flow.schedule'"), std::string::npos);
+  for (const auto& [text, part] : {std::pair{"flow: {steps: 0}", "flow.steps must be 1 to 100, got 0"},
+                                   {"flow: {max_dist: 0}", "flow.max_dist must be above 0"},
+                                   {"flow: {prior: mean}", "recentred, ekf or sample"},
+                                   {"flow: {scedule: uniform}", "'flow.schedule'"}})
+    expect_parts(error_of([&t = text] { config_from_text(t, "my.yaml"); }, ErrorKind::config), {part});
 }
 
 TEST(FlowFilters, EulerStepsThatLagBehindAreCounted) {
@@ -300,9 +293,7 @@ TEST(FlowFilters, TheGaussianOfASinglePointIsTheKalmanFilter) {
   flow->start_at({1.05, 0.97, 0.02}, 0.0, 0.0, 0.0);
   ekf->start_at({1.05, 0.97, 0.02}, 0.0, 0.0, 0.0);
   const Pose a = flow->step({}, drive.scans[0].scan).pose, b = ekf->step({}, drive.scans[0].scan).pose;
-  EXPECT_NEAR(a.x_m, b.x_m, 1e-6);  // particles are float32
-  EXPECT_NEAR(a.y_m, b.y_m, 1e-6);
-  EXPECT_NEAR(a.theta_rad, b.theta_rad, 1e-6);
+  expect_near(a, b, 1e-6, 1e-6);  // particles are float32
 }
 
 TEST(PoseFilters, AdapterOfTheParticleFilterChangesNothing) {
@@ -320,13 +311,8 @@ TEST(PoseFilters, AdapterOfTheParticleFilterChangesNothing) {
 TEST(PoseFilters, AllNamesMakeAFilterAndOthersAreRefused) {
   for (const std::string_view name : kPoseFilterNames)
     EXPECT_NE(make_pose_filter(name, small_config(), test::small_room()), nullptr) << name;
-  try {
-    make_pose_filter("ukf", small_config(), test::small_room());
-    FAIL();
-  } catch (const Error& e) {
-    EXPECT_EQ(e.kind(), ErrorKind::config);
-    EXPECT_STREQ(e.what(), "filter 'ukf': expected one of mcl amcl ekf ekf_beams edh naedh ledh gromov pfpf");
-  }
+  EXPECT_EQ(error_of([] { make_pose_filter("ukf", small_config(), test::small_room()); }, ErrorKind::config),
+            "filter 'ukf': expected one of mcl amcl ekf ekf_beams edh naedh ledh gromov pfpf");
 }
 
 }  // namespace

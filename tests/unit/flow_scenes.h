@@ -2,28 +2,16 @@
 // hold the float32 arithmetic against.
 #pragma once
 
-#include <algorithm>
-#include <cmath>
 #include <memory>
-#include <vector>
 
 #include "common/filter/bind.h"
 #include "common/flow/field_measurement.h"
-#include "common/map/blocking_cells.h"
 #include "common/map/grid_map.h"
 #include "cpu/flow_stages.h"
+#include "tests/unit/map_t1.h"
 #include "tests/unit/measured_field.h"
 
 namespace parloc::test {
-
-/// Test map T1 of the specification, section 0.2: 10 x 8 cells of 0.5 m, walls around, cells (6, 4), (3, 2).
-inline GridMap map_t1() {
-  std::vector<std::string> rows(8, "#........#");
-  rows.front() = rows.back() = "##########";
-  rows[7 - 4][6] = '#';
-  rows[7 - 2][3] = '#';
-  return grid_from_text(rows, 0.5, {-1.0, -2.0, 0.0});
-}
 
 /// The field of a map with its table.
 struct MapField {

@@ -2,7 +2,6 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
-#include <cmath>
 
 #include "common/eval/metrics.h"
 #include "common/slam/grid_slam.h"
@@ -10,16 +9,6 @@
 
 namespace parloc {
 namespace {
-
-/// 17 m through the hall of the paper with its noise of odometry and ranges.
-const SimulatedLog& drive() {
-  static const SimulatedLog log = [] {
-    Scenario s = paper();
-    s.seed = 3;
-    return simulate(s, fine_hall());
-  }();
-  return log;
-}
 
 GridSlamConfig config(SlamProposal proposal, std::int64_t particles, std::uint64_t seed = 1) {
   GridSlamConfig c;
@@ -31,7 +20,7 @@ GridSlamConfig config(SlamProposal proposal, std::int64_t particles, std::uint64
 }
 
 void run(GridSlam& slam) {
-  for (const LogRecord& record : drive().records) {
+  for (const LogRecord& record : hall_drive().records) {
     if (record.kind == RecordKind::odometry)
       slam.add_odometry(record.stamp_s, record.odometry);
     else
@@ -39,18 +28,10 @@ void run(GridSlam& slam) {
   }
 }
 
-/// The truth from where the first scan was taken.
-Trajectory truth() {
-  Trajectory t = drive().truth;
-  const Pose first = t.front().pose;
-  for (StampedPose& p : t) p.pose = relative(p.pose, first);
-  return t;
-}
-
 std::vector<Relation> consecutive_relations(const GridSlam& slam) {
   std::vector<double> stamps;
   for (const SlamRecord& r : slam.records()) stamps.push_back(r.stamp_s);
-  const auto at = truth_at(truth(), stamps);
+  const auto at = truth_at(truth_of_hall_drive(), stamps);
   std::vector<Relation> relations;
   for (std::size_t k = 1; k < at.size(); ++k)
     relations.push_back({stamps[k - 1], stamps[k], relative(*at[k], *at[k - 1])});
@@ -64,7 +45,7 @@ struct Accuracy {
 Accuracy accuracy(SlamProposal proposal, std::int64_t particles, std::uint64_t seed) {
   GridSlam slam(config(proposal, particles, seed));
   run(slam);
-  return {compare_tracks(slam.trajectory(), truth()).position_rmse_m,
+  return {compare_tracks(slam.trajectory(), truth_of_hall_drive()).position_rmse_m,
           compare_relations(slam.trajectory(), consecutive_relations(slam))};
 }
 
@@ -96,7 +77,7 @@ TEST(GridSlam, TheMapIsTheHall) {
   GridSlam slam(config(SlamProposal::scan_match, 30));
   run(slam);
   const GridMap map = slam.map();
-  const Pose T_hall_map = drive().truth.front().pose;
+  const Pose T_hall_map = hall_drive().truth.front().pose;
   std::size_t free_right = 0, free_all = 0, wall_right = 0, wall_all = 0;
   const GridMap& hall = fine_hall();
   const auto wall_near = [&](double x_m, double y_m) {
@@ -137,7 +118,7 @@ TEST(GridSlam, SameSeedSameMapAtAnyNumberOfThreads) {
 TEST(GridSlam, SaysWhatItDid) {
   GridSlam slam(config(SlamProposal::scan_match, 10));
   run(slam);
-  EXPECT_EQ(slam.trajectory().size(), drive().truth.size());
+  EXPECT_EQ(slam.trajectory().size(), hall_drive().truth.size());
   EXPECT_EQ(slam.trajectory().front().pose.x_m, slam.trajectory().front().pose.x_m);
   const auto distinct = slam.distinct_ancestors();
   ASSERT_EQ(distinct.size(), slam.records().size());

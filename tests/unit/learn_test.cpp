@@ -1,14 +1,10 @@
 // What is learned from a simulated log is what it was simulated with.
 #include <gtest/gtest.h>
 
-#include <cmath>
-#include <filesystem>
-
 #include "common/config/config.h"
 #include "common/simulator/simulator.h"
 #include "tests/unit/temp_file.h"
-#include "tools/learn/learn_picture.h"
-#include "tools/learn/range_pairs.h"
+#include "tools/learn/learn.h"
 
 namespace parloc {
 namespace {

@@ -4,15 +4,12 @@
 
 #include <gtest/gtest.h>
 
-#include <cmath>
-#include <functional>
 #include <limits>
-#include <string>
 
 #include "common/config/config.h"
-#include "common/error.h"
 #include "common/eval/metrics.h"
 #include "common/simulator/simulator.h"
+#include "tests/unit/expect.h"
 #include "tests/unit/small_drive.h"
 #include "tools/run/run_results.h"
 #include "tools/run/start_pose.h"
@@ -21,27 +18,24 @@ namespace parloc::tools {
 namespace {
 
 void expect_error(ErrorKind kind, const std::string& part, const std::function<void()>& action) {
-  try {
-    action();
-    ADD_FAILURE() << "no error; expected: " << part;
-  } catch (const Error& e) {
-    EXPECT_EQ(e.kind(), kind) << e.what();
-    EXPECT_NE(std::string(e.what()).find(part), std::string::npos) << e.what();
-  }
+  expect_parts(error_of(action, kind), {part});
 }
 
-LocalizeRequest small_request() {
+LocalizeRequest small_request(const Pose& start = {1.0, 1.0, 0.0}) {
   LocalizeRequest request;
   request.config.particles = 200;
   request.config.threads = 1;
   request.config.backend = BackendChoice::cpu;
-  request.start = StartPose{false, {1.0, 1.0, 0.0}, 0.05, 0.05, 0.05};
+  request.start = StartPose{false, start, 0.05, 0.05, 0.05};
   request.log_name = "drive.log";
   return request;
 }
 
 Localization localize(const std::string& log, const LocalizeRequest& request) {
   return localize_log(test::small_room(), *carmen_log_from_text(log, "drive.log"), request);
+}
+std::string log_of_scans(int count) {
+  return carmen_log_of(test::small_drive(test::small_room(), count));
 }
 
 TEST(StartPose, IsParsedStrictly) {
@@ -50,9 +44,7 @@ TEST(StartPose, IsParsedStrictly) {
   config.initial_sigma_theta = 0.2;
   const StartPose three = parse_start_pose("1.5,-2,+0.5", config);
   EXPECT_FALSE(three.anywhere);
-  EXPECT_EQ(three.pose.x_m, 1.5);
-  EXPECT_EQ(three.pose.y_m, -2.0);
-  EXPECT_EQ(three.pose.theta_rad, 0.5);
+  expect_equal(three.pose, {1.5, -2.0, 0.5});
   EXPECT_EQ(three.sigma_y_m, 0.3);
   EXPECT_EQ(three.sigma_theta_rad, 0.2);
   const StartPose six = parse_start_pose("1,2,3.5,0,0.25,1e-3", config);
@@ -93,19 +85,16 @@ TEST(LocalizeLog, OneRowPerScanAtTheScan) {
   for (std::size_t k = 0; k < 30; ++k) {
     EXPECT_DOUBLE_EQ(run.trajectory[k].stamp_s, drive.truth[k].stamp_s);
     // Two cells: 200 particles on a map of 10 cm.
-    EXPECT_LT(std::hypot(run.trajectory[k].pose.x_m - drive.truth[k].pose.x_m,
-                         run.trajectory[k].pose.y_m - drive.truth[k].pose.y_m),
-              0.2);
+    EXPECT_LT(distance_m(run.trajectory[k].pose, drive.truth[k].pose), 0.2);
     // Exact odometry from the true start is the truth; the log has 9 decimals.
-    EXPECT_NEAR(run.odometry[k].pose.x_m, drive.truth[k].pose.x_m, 1e-8);
-    EXPECT_NEAR(run.odometry[k].pose.theta_rad, drive.truth[k].pose.theta_rad, 1e-8);
+    expect_near(run.odometry[k].pose, drive.truth[k].pose, 1e-8, 1e-8);
   }
 }
 
 TEST(LocalizeLog, AnywhereHasNoDeadReckoning) {
   LocalizeRequest request = small_request();
   request.start = StartPose{true, {}, 0, 0, 0};
-  const Localization run = localize(test::carmen_log_of(test::small_drive(test::small_room(), 5)), request);
+  const Localization run = localize(log_of_scans(5), request);
   EXPECT_TRUE(run.odometry.empty());
   EXPECT_EQ(run.trajectory.size(), 5u);
 }
@@ -115,12 +104,12 @@ double spread_m(const StepRecord& step) {
 }
 
 TEST(LocalizeLog, OdometryOnlySpreadsTheParticlesAndWeighsNothing) {
-  const test::SmallDrive drive = test::small_drive(test::small_room(), 40);
+  const std::string log = log_of_scans(40);
   LocalizeRequest request = small_request();
   request.config.particles = 2000;
-  const double with_scans_m = spread_m(localize(test::carmen_log_of(drive), request).steps.back());
+  const double with_scans_m = spread_m(localize(log, request).steps.back());
   request.odometry_only = true;
-  const Localization run = localize(test::carmen_log_of(drive), request);
+  const Localization run = localize(log, request);
 
   EXPECT_EQ(run.beams.used, 0u);
   EXPECT_EQ(run.lost_steps, 0u);
@@ -135,10 +124,7 @@ TEST(LocalizeLog, OdometryOnlySpreadsTheParticlesAndWeighsNothing) {
   EXPECT_GT(spread_m(run.steps.back()), 5.0 * with_scans_m);
   for (std::size_t k = 0; k < run.steps.size(); ++k) {
     // The mean of 2000 is within 5 / sqrt(2000) = 0.11 sigma; the cloud's bend shortens it by a little more.
-    EXPECT_LT(std::hypot(run.trajectory[k].pose.x_m - run.odometry[k].pose.x_m,
-                         run.trajectory[k].pose.y_m - run.odometry[k].pose.y_m),
-              0.2 * spread_m(run.steps[k]))
-        << k;
+    EXPECT_LT(distance_m(run.trajectory[k].pose, run.odometry[k].pose), 0.2 * spread_m(run.steps[k])) << k;
   }
   for (const Snapshot& snapshot : run.snapshots) EXPECT_TRUE(snapshot.scan_points.empty());
 }
@@ -176,7 +162,7 @@ TEST(LocalizeLog, StopsWhenAsked) {
     EXPECT_LE(fraction, 1.0);
     done = scans;
   };
-  const std::string log = test::carmen_log_of(test::small_drive(test::small_room(), 20));
+  const std::string log = log_of_scans(20);
   request.stop = [&] { return done == 7; };
   const Localization run = localize(log, request);
   EXPECT_TRUE(run.interrupted);
@@ -191,7 +177,7 @@ TEST(LocalizeLog, StopsWhenAsked) {
 }
 
 TEST(LocalizeLog, RefusesWhatItCannotStartWith) {
-  const std::string log = test::carmen_log_of(test::small_drive(test::small_room(), 3));
+  const std::string log = log_of_scans(3);
   LocalizeRequest request = small_request();
   expect_error(ErrorKind::input, "drive.log: expected at least one scan",
                [&] { localize("ODOM 0 0 0 0 0 0 1 a 1\n", request); });
@@ -230,10 +216,9 @@ struct SpinErrors {
 SpinErrors localize_spin(double true_s, double told_s, StampAt stamp_at) {
   const GridMap room = test::small_room();
   const SimulatedLog log = simulate(spin(true_s, stamp_at), room);
-  LocalizeRequest request = small_request();
+  LocalizeRequest request = small_request({1.5, 2.0, 0.0});
   request.config.particles = 1000;
   request.config.lidars = {{.name = "robotlaser1", .scan_time = told_s, .stamp_at = stamp_at}};
-  request.start = StartPose{false, {1.5, 2.0, 0.0}, 0.05, 0.05, 0.05};
   const Localization run = localize_log(room, *carmen_log_from_text(carmen_text(log), "spin.log"), request);
   const TrackErrors errors = compare_tracks(run.trajectory, log.truth);
   EXPECT_EQ(run.lidars.size(), 1u);
@@ -267,28 +252,23 @@ std::string two_lidar_log() {
 }
 
 TEST(LocalizeLog, SummaryTellsHowManyBeamsOfEachLidarWereUsedAndWhy) {
-  LocalizeRequest request = small_request();
-  request.start = StartPose{false, {1.5, 2.0, 0.0}, 0.05, 0.05, 0.05};
+  LocalizeRequest request = small_request({1.5, 2.0, 0.0});
   request.config.lidars = {{.name = "robotlaser1", .max_beams = 70, .scan_time = 0.05}};
   RunResults results;
   results.run = localize(two_lidar_log(), request);
   ASSERT_EQ(results.run.lidars.size(), 2u);
   EXPECT_EQ(results.run.scans, results.run.lidars[0].scans + results.run.lidars[1].scans);
   EXPECT_EQ(results.run.trajectory.size(), results.run.scans);  // a step and a row for each
-  const std::string summary = run_summary(results);
-  for (const char* expected :
-       {"robotlaser1: 70 of 180 per scan (evenly in angle, every 2.6th; max_beams 70); ",
-        " % dropped: ", " zero\n", "robotlaser1: 272 of 272 scans\n",
-        "robotlaser2: 60 of 60 per scan (all; max_beams 100)\n"})
-    EXPECT_NE(summary.find(expected), std::string::npos) << expected << "\n" << summary;
-  const std::string json = metrics_json(results);
-  for (const char* expected : {"\"name\": \"robotlaser2\"", "\"scans_deskewed\": 272", "\"scan_time\": 0.05"})
-    EXPECT_NE(json.find(expected), std::string::npos) << expected;
+  expect_parts(run_summary(results),
+               {"robotlaser1: 70 of 180 per scan (evenly in angle, every 2.6th; max_beams 70); ",
+                " % dropped: ", " zero\n", "robotlaser1: 272 of 272 scans\n",
+                "robotlaser2: 60 of 60 per scan (all; max_beams 100)\n"});
+  expect_parts(metrics_json(results),
+               {"\"name\": \"robotlaser2\"", "\"scans_deskewed\": 272", "\"scan_time\": 0.05"});
 }
 
 TEST(LocalizeLog, SaysSoWhenAConfiguredLidarIsNotInTheLog) {
-  LocalizeRequest request = small_request();
-  request.start = StartPose{false, {1.5, 2.0, 0.0}, 0.05, 0.05, 0.05};
+  LocalizeRequest request = small_request({1.5, 2.0, 0.0});
   request.config.lidars = {{.name = "robotlaser1"}, {.name = "front"}, {.name = "rear"}};
   RunResults results;
   const std::string log = two_lidar_log();
@@ -296,7 +276,7 @@ TEST(LocalizeLog, SaysSoWhenAConfiguredLidarIsNotInTheLog) {
   const std::string expected =
       "lidars.front, lidars.rear in the configuration, but the log has scans of robotlaser1, robotlaser2 "
       "only";
-  EXPECT_NE(run_summary(results).find(expected), std::string::npos) << run_summary(results);
+  expect_parts(run_summary(results), {expected});
   request.strict = true;
   request.config.scan.zero_policy = ZeroPolicy::miss;  // the log's zeros are no trouble then
   expect_error(ErrorKind::input, "drive.log: " + expected, [&] { localize(log, request); });
@@ -306,12 +286,8 @@ TEST(LocalizeLog, SaysSoWhenAConfiguredLidarIsNotInTheLog) {
 
 TEST(StepTimes, LeaveOutTheFirstStep) {
   const auto times_of = [](const std::vector<double>& ms) {
-    std::vector<StepRecord> steps;
-    for (const double v : ms) {
-      StepRecord step;
-      step.step_ms = v;
-      steps.push_back(step);
-    }
+    std::vector<StepRecord> steps(ms.size());
+    for (std::size_t k = 0; k < ms.size(); ++k) steps[k].step_ms = ms[k];
     return step_times(steps);
   };
   EXPECT_TRUE(std::isnan(times_of({}).median_ms));

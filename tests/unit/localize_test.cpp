@@ -1,8 +1,6 @@
 // What a filter is worth: evidence of a scan, health, modes.
 #include <gtest/gtest.h>
 
-#include <cmath>
-
 #include "common/config/config.h"
 #include "common/error.h"
 #include "common/math/portable64.h"

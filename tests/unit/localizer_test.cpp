@@ -3,7 +3,6 @@
 
 #include <gtest/gtest.h>
 
-#include <cmath>
 #include <limits>
 
 #include "common/math/portable64.h"
@@ -18,11 +17,10 @@ using test::feed;
 using test::small_localizer;
 
 double error_m(const LocalizerEstimate& said, const Pose& truth) {
-  return std::hypot(said.filter.pose.x_m - truth.x_m, said.filter.pose.y_m - truth.y_m);
+  return distance_m(said.filter.pose, truth);
 }
 bool near(const Pose& a, const Pose& b) {
-  return std::hypot(a.x_m - b.x_m, a.y_m - b.y_m) < 0.5 &&
-         std::fabs(wrap64(a.theta_rad - b.theta_rad)) < 0.17;
+  return distance_m(a, b) < 0.5 && turn_rad(a, b) < 0.17;
 }
 std::vector<LocalizerEstimate> run_anywhere(const LocalizerConfig& config, const GridMap& map,
                                             const TrialLog& log, const SearchPrior& prior = {}) {

@@ -4,8 +4,6 @@
 
 #include <gtest/gtest.h>
 
-#include <filesystem>
-
 #include "tests/unit/small_drive.h"
 #include "tests/unit/temp_file.h"
 

@@ -7,33 +7,16 @@
 
 #include <algorithm>
 #include <cstdlib>
-#include <filesystem>
-#include <fstream>
-#include <functional>
-#include <iterator>
 #include <limits>
-#include <string>
-#include <vector>
 
-#include "common/error.h"
 #include "common/map/map_yaml.h"
+#include "tests/unit/expect.h"
+#include "tests/unit/temp_file.h"
 
 namespace parloc {
 namespace {
 
 namespace fs = std::filesystem;
-
-/// The message of the error of kind `kind` that `action` throws; empty (and a failure) if it throws none.
-std::string message_of(ErrorKind kind, const std::function<void()>& action) {
-  try {
-    action();
-  } catch (const Error& e) {
-    EXPECT_EQ(e.kind(), kind) << e.what();
-    return e.what();
-  }
-  ADD_FAILURE() << "no error";
-  return {};
-}
 
 /// A folder that is gone after the test.
 class MapFolder : public ::testing::Test {
@@ -49,10 +32,6 @@ class MapFolder : public ::testing::Test {
   std::string write(const std::string& name, const std::string& bytes) const {
     std::ofstream(path(name), std::ios::binary) << bytes;
     return path(name);
-  }
-  std::string read(const std::string& name) const {
-    std::ifstream file(path(name), std::ios::binary);
-    return {std::istreambuf_iterator<char>(file), std::istreambuf_iterator<char>()};
   }
 
   fs::path folder_;
@@ -87,9 +66,7 @@ TEST(MapYaml, ReadsEveryKey) {
   EXPECT_EQ(y.image, "my map.pgm");
   EXPECT_EQ(y.image_line, 3u);
   EXPECT_EQ(y.resolution_m, 0.05);
-  EXPECT_EQ(y.T_map_grid.x_m, -27.2224);
-  EXPECT_EQ(y.T_map_grid.y_m, 48.5);
-  EXPECT_NEAR(y.T_map_grid.theta_rad, 1.5707963267948966, 1e-15);  // wrapped, not resampled
+  expect_near(y.T_map_grid, {-27.2224, 48.5, 1.5707963267948966}, 0.0, 1e-15);  // wrapped, not resampled
   EXPECT_TRUE(y.negate);
   EXPECT_EQ(y.occupied_thresh, 0.65);
   EXPECT_EQ(y.free_thresh, 0.196);
@@ -109,9 +86,14 @@ struct Mistake {
 TEST(MapYaml, EachMistakeHasOneClearLine) {
   const std::string rest = "origin: [0, 0, 0]\nnegate: 0\noccupied_thresh: 0.65\nfree_thresh: 0.196\n";
   const std::string all = "image: a.pgm\nresolution: 0.05\n" + rest;
-  const auto without = [&](const std::string& line) {
+  const auto without = [&](const std::string& key) {
     std::string text = all;
-    return text.erase(text.find(line), line.size());
+    const std::size_t line = text.find(key + ':');
+    return text.erase(line, text.find('\n', line) + 1 - line);
+  };
+  // The line of the same key is gone, so that it is the sixth and last.
+  const auto with = [&](const std::string& line) {
+    return without(line.substr(0, line.find(':'))) + line + '\n';
   };
   const std::vector<Mistake> mistakes{
       // Keys.
@@ -122,12 +104,12 @@ TEST(MapYaml, EachMistakeHasOneClearLine) {
       {all + "\n<<: {mode: raw}\n", "m.yaml:8: unknown key '<<'; the nearest valid key is 'mode'"},
       {all + "mode: raw\nnegate: 0\n", "m.yaml:8: duplicate key 'negate', first on line 4"},
       {all + "[1]: 2\n", "m.yaml:7: expected a key, got a list, or a bracket that is not closed"},
-      {without("image: a.pgm\n"), "m.yaml:1: image is missing"},
-      {without("resolution: 0.05\n"), "m.yaml:1: resolution is missing"},
-      {without("origin: [0, 0, 0]\n"), "m.yaml:1: origin is missing"},
-      {without("negate: 0\n"), "m.yaml:1: negate is missing"},
-      {without("occupied_thresh: 0.65\n"), "m.yaml:1: occupied_thresh is missing"},
-      {without("free_thresh: 0.196\n"), "m.yaml:1: free_thresh is missing"},
+      {without("image"), "m.yaml:1: image is missing"},
+      {without("resolution"), "m.yaml:1: resolution is missing"},
+      {without("origin"), "m.yaml:1: origin is missing"},
+      {without("negate"), "m.yaml:1: negate is missing"},
+      {without("occupied_thresh"), "m.yaml:1: occupied_thresh is missing"},
+      {without("free_thresh"), "m.yaml:1: free_thresh is missing"},
       // Values.
       {"image: \"\"\nresolution: 0.05\n" + rest, "m.yaml:1: image: expected a text, got nothing"},
       {"image: [a]\nresolution: 0.05\n" + rest, "m.yaml:1: image: expected a text, got a list"},
@@ -137,22 +119,16 @@ TEST(MapYaml, EachMistakeHasOneClearLine) {
       {"image: a\nresolution: 1e999\n" + rest, "m.yaml:2: resolution must be 0.0001 to 1000, got 1e999"},
       {"image: a\nresolution: 5cm\n" + rest, "m.yaml:2: resolution: expected a number, got '5cm'"},
       {"image: a\nresolution:\n" + rest, "m.yaml:2: resolution: expected a number, got nothing"},
-      {without("negate: 0\n") + "negate: 2\n", "m.yaml:6: negate: expected 0, 1, false or true, got '2'"},
-      {without("free_thresh: 0.196\n") + "free_thresh: 1.5\n",
-       "m.yaml:6: free_thresh must be 0 to 1, got 1.5"},
-      {without("free_thresh: 0.196\n") + "free_thresh: 0.7\n",
-       "m.yaml:6: free_thresh 0.7 must be below occupied_thresh 0.65"},
+      {with("negate: 2"), "m.yaml:6: negate: expected 0, 1, false or true, got '2'"},
+      {with("free_thresh: 1.5"), "m.yaml:6: free_thresh must be 0 to 1, got 1.5"},
+      {with("free_thresh: 0.7"), "m.yaml:6: free_thresh 0.7 must be below occupied_thresh 0.65"},
       {all + "mode: binary\n", "m.yaml:7: mode: expected trinary, scale or raw, got 'binary'"},
-      {without("origin: [0, 0, 0]\n") + "origin: [0, 0]\n",
+      {with("origin: [0, 0]"),
        "m.yaml:6: origin: expected [x, y, yaw] in metres and radians, got a list of 2"},
-      {without("origin: [0, 0, 0]\n") + "origin: 3\n",
-       "m.yaml:6: origin: expected [x, y, yaw] in metres and radians, got '3'"},
-      {without("origin: [0, 0, 0]\n") + "origin: [0, 0, [1]]\n",
-       "m.yaml:6: origin: expected a number, got a list"},
-      {without("origin: [0, 0, 0]\n") + "origin: [0, 0, 90]\n",
-       "m.yaml:6: origin must have a yaw in radians, at most one turn, got 90"},
-      {without("origin: [0, 0, 0]\n") + "origin: [inf, 0, 0]\n",
-       "m.yaml:6: origin must be -100000000 to 100000000, got inf"},
+      {with("origin: 3"), "m.yaml:6: origin: expected [x, y, yaw] in metres and radians, got '3'"},
+      {with("origin: [0, 0, [1]]"), "m.yaml:6: origin: expected a number, got a list"},
+      {with("origin: [0, 0, 90]"), "m.yaml:6: origin must have a yaw in radians, at most one turn, got 90"},
+      {with("origin: [inf, 0, 0]"), "m.yaml:6: origin must be -100000000 to 100000000, got inf"},
       // Not a map YAML at all.
       {"", "m.yaml: image is missing"},
       {",", "m.yaml:1: expected one document, found a second one"},
@@ -164,10 +140,8 @@ TEST(MapYaml, EachMistakeHasOneClearLine) {
       {"image: \"\\q\"\n", "m.yaml:1: not valid YAML: unknown escape character: q"},
       {std::string(70000, '#'), "m.yaml: expected a map YAML of at most 64 KiB"},
   };
-  for (const Mistake& m : mistakes) {
-    EXPECT_EQ(message_of(ErrorKind::input, [&] { map_yaml_from_text(m.yaml, "m.yaml"); }), m.message)
-        << m.yaml;
-  }
+  for (const Mistake& m : mistakes)
+    EXPECT_EQ(error_of([&] { map_yaml_from_text(m.yaml, "m.yaml"); }), m.message) << m.yaml;
 }
 
 // ---- pixels to cells ----------------------------------------------------------------------------
@@ -240,9 +214,7 @@ TEST_F(MapFolder, TheImageLiesRelativeToTheYamlOrIsAbsolute) {
 }
 
 TEST_F(MapFolder, FilesThatCannotBeRead) {
-  const auto message = [&](const std::string& file) {
-    return message_of(ErrorKind::input, [&] { read_map(file); });
-  };
+  const auto message = [&](const std::string& file) { return error_of([&] { read_map(file); }); };
   EXPECT_EQ(message(path("none.yaml")), path("none.yaml") + ": cannot be opened: No such file or directory");
   EXPECT_EQ(message(folder_.string()), folder_.string() + ": cannot be read: expected a file");
   const std::string lost = write("lost.yaml", "\n" + yaml_with("negate: 0", "none.pgm"));
@@ -267,17 +239,16 @@ TEST_F(MapFolder, AWrittenMapReadsBack) {
   EXPECT_EQ(back.width, map.width);
   EXPECT_EQ(back.height, map.height);
   EXPECT_EQ(back.resolution_m, map.resolution_m);  // shortest round trip of a double: no tolerance
-  EXPECT_EQ(back.T_map_grid.x_m, map.T_map_grid.x_m);
-  EXPECT_EQ(back.T_map_grid.y_m, map.T_map_grid.y_m);
-  EXPECT_NEAR(back.T_map_grid.theta_rad, -2.5, 1e-15);  // wrapped: one rounding
-  EXPECT_EQ(read("it's a \"map\" #1.pgm").size(), std::string("P5\n3 4\n255\n").size() + 12);
+  expect_near(back.T_map_grid, {-1.0 / 3.0, 1e-7, -2.5}, 0.0, 1e-15);  // the yaw is wrapped: one rounding
+  EXPECT_EQ(test::content_of(path("it's a \"map\" #1.pgm")).size(),
+            std::string("P5\n3 4\n255\n").size() + 12);
   EXPECT_EQ(std::distance(fs::directory_iterator(folder_), {}), 2);  // no temporary file is left
 }
 
 TEST_F(MapFolder, AMapThatCannotBeWrittenChangesNothing) {
   const GridMap map = grid_from_text({"#"}, 0.05);
   const auto message = [&](const std::string& file, const GridMap& m) {
-    return message_of(ErrorKind::output, [&] { write_map(file, m); });
+    return error_of([&] { write_map(file, m); }, ErrorKind::output);
   };
   EXPECT_EQ(message(path("none/map.yaml"), map),
             path("none/map.yaml") + ": cannot be written: No such file or directory");
@@ -324,7 +295,7 @@ TEST(GridMap, AYawedGridIsTurnedAboutItsCorner) {
 
 TEST(GridMap, TextMapsAreChecked) {
   const auto message = [](const std::vector<std::string>& rows, double resolution_m) {
-    return message_of(ErrorKind::input, [&] { grid_from_text(rows, resolution_m); });
+    return error_of([&] { grid_from_text(rows, resolution_m); });
   };
   EXPECT_EQ(message({"##", "#"}, 1.0), "text map:2: expected 2 characters as in the first row, found 1");
   EXPECT_EQ(message({"#x"}, 1.0), "text map:1: expected '#', '.', ' ' or '?', found the character 'x'");

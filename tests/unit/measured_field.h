@@ -1,8 +1,6 @@
 // The distance field of a whole map by the CPU's stage.
 #pragma once
 
-#include <vector>
-
 #include "cpu/stages.h"
 
 namespace parloc::test {

@@ -3,9 +3,9 @@
 #include <cmath>
 #include <limits>
 
-#include "common/error.h"
 #include "common/eval/metrics.h"
 #include "common/io/log.h"
+#include "tests/unit/expect.h"
 #include "tests/unit/real_data.h"
 #include "tests/unit/temp_file.h"
 
@@ -169,25 +169,15 @@ TEST(Relations, ReadAndErrors) {
   EXPECT_NEAR(relations[0].delta.theta_rad, 4.0 - 2 * M_PI, 1e-15);
   for (const char* bad : {"1 2 3\n", "1 2 3 4 5 6 7 8 9\n", "1 2 3 4 5 6 7 nan\n"}) {
     const test::TempFile file("bad.txt", bad);
-    try {
-      read_relations(file.path());
-      ADD_FAILURE() << bad;
-    } catch (const Error& error) {
-      EXPECT_EQ(error.kind(), ErrorKind::input);
-      EXPECT_EQ(std::string(error.what()).rfind(file.path() + ":1: expected", 0), 0u) << error.what();
-    }
+    const std::string message = error_of([&] { read_relations(file.path()); });
+    EXPECT_EQ(message.rfind(file.path() + ":1: expected", 0), 0u) << message;
   }
 }
 
 TEST(Relations, AFileWithoutOneIsAnError) {
   const test::TempFile file("none.txt", "# t1 t2 dx dy dz roll pitch yaw\n\n");
-  try {
-    read_relations(file.path());
-    ADD_FAILURE();
-  } catch (const Error& error) {
-    EXPECT_EQ(error.kind(), ErrorKind::input);
-    EXPECT_EQ(error.what(), file.path() + ": expected a relation, found none");
-  }
+  EXPECT_EQ(error_of([&] { read_relations(file.path()); }),
+            file.path() + ": expected a relation, found none");
 }
 
 // ---- real data: what the data's README states about its own references --------------------------

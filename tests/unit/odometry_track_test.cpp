@@ -5,7 +5,8 @@
 
 #include <cmath>
 #include <limits>
-#include <vector>
+
+#include "tests/unit/expect.h"
 
 namespace parloc {
 namespace {
@@ -28,11 +29,6 @@ void expect_near(const Pose& a, const Pose& b, double tolerance) {
   EXPECT_NEAR(a.x_m, b.x_m, tolerance);
   EXPECT_NEAR(a.y_m, b.y_m, tolerance);
   EXPECT_NEAR(std::remainder(a.theta_rad - b.theta_rad, 2 * M_PI), 0.0, tolerance);
-}
-void expect_equal(const Pose& a, const Pose& b) {
-  EXPECT_EQ(a.x_m, b.x_m);
-  EXPECT_EQ(a.y_m, b.y_m);
-  EXPECT_EQ(a.theta_rad, b.theta_rad);
 }
 
 TEST(AlongArc, IsTheMotionOfAConstantTwist) {
@@ -58,7 +54,7 @@ Pose circle_motion(double from, double to) {
 }
 
 TEST(OdometryTrack, FollowsAnArcBetweenAndBeyondTheReadings) {
-  OdometryTrack track(1.0);
+  OdometryTrack track(MotionConfig{});
   for (const double t : {10.0, 10.05, 10.1, 10.15}) track.add(t, on_circle(t));
   ASSERT_TRUE(track.knows_motion());
   for (const double t : {9.9, 9.99, 10.0, 10.01, 10.05, 10.12, 10.15, 10.2, 10.25})
@@ -67,7 +63,7 @@ TEST(OdometryTrack, FollowsAnArcBetweenAndBeyondTheReadings) {
 }
 
 TEST(OdometryTrack, GoesOnWithTheLastTwist) {
-  OdometryTrack track(1.0);
+  OdometryTrack track(MotionConfig{});
   track.add(0.0, {0, 0, 0});
   track.add(0.1, {0.1, 0, 0});
   track.add(0.2, {0.1, 0, 0.2});  // stopped, now turns at 2 rad/s
@@ -76,7 +72,7 @@ TEST(OdometryTrack, GoesOnWithTheLastTwist) {
 }
 
 TEST(OdometryTrack, TakesATwistOverMoreThanAJitter) {
-  OdometryTrack track(1.0);
+  OdometryTrack track(MotionConfig{});
   track.add(0.0, {0, 0, 0});
   track.add(0.1, {0.1, 0, 0});
   track.add(0.1001, {0.11, 0, 0});  // 100 m/s by these two alone
@@ -84,7 +80,7 @@ TEST(OdometryTrack, TakesATwistOverMoreThanAJitter) {
 }
 
 TEST(OdometryTrack, KnowsNoMotionWithoutTwoReadings) {
-  OdometryTrack track(1.0);
+  OdometryTrack track(MotionConfig{});
   EXPECT_FALSE(track.knows_motion());
   expect_equal(track.motion(0.0, 1.0), {});
   track.add(5.0, {1, 2, 3});
@@ -109,7 +105,7 @@ TEST(OdometryTrack, SortsReadingsAndKeepsTheLastOfEqualStamps) {
 }
 
 TEST(OdometryTrack, ForgetsWhatIsOldOrOfAnotherClockOrBeforeAJump) {
-  OdometryTrack track(1.0);
+  OdometryTrack track(MotionConfig{});
   track.add(0.0, {0, 0, 0});
   track.add(3.0, {0.5, 0, 0});
   EXPECT_FALSE(track.knows_motion());  // 3 s: too long ago to say anything
@@ -126,7 +122,7 @@ TEST(OdometryTrack, ForgetsWhatIsOldOrOfAnotherClockOrBeforeAJump) {
 }
 
 TEST(OdometryTrack, IgnoresWhatIsNotFinite) {
-  OdometryTrack track(1.0);
+  OdometryTrack track(MotionConfig{});
   const double nan = std::numeric_limits<double>::quiet_NaN(), inf = std::numeric_limits<double>::infinity();
   track.add(1.0, {0, 0, 0});
   track.add(1.1, {0.1, 0, 0});
@@ -138,7 +134,7 @@ TEST(OdometryTrack, IgnoresWhatIsNotFinite) {
 }
 
 TEST(OdometryTrack, StandingStillIsExactlyNoMotion) {
-  OdometryTrack track(1.0);
+  OdometryTrack track(MotionConfig{});
   const Pose anywhere{12.3456, -7.89, 2.71828};
   for (const double t : {100.0, 100.05, 100.1}) track.add(t, anywhere);
   for (const double t : {99.9, 100.01, 100.05, 100.2}) expect_equal(track.motion(100.03, t), {});

@@ -4,12 +4,9 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
-#include <cmath>
 #include <limits>
-#include <string>
-#include <vector>
 
-#include "common/error.h"
+#include "tests/unit/expect.h"
 #include "tests/unit/small_drive.h"
 
 namespace parloc {
@@ -20,6 +17,13 @@ FilterConfig small_config() {
   c.particles = 500;
   c.threads = 1;
   c.backend = BackendChoice::cpu;
+  return c;
+}
+
+FilterConfig every_half_metre() {
+  FilterConfig c = small_config();
+  c.update_min_d = 0.5;
+  c.update_min_a = 10.0;
   return c;
 }
 
@@ -34,7 +38,6 @@ class Filter : public testing::Test {
     filter.start_at(start, 0.1, 0.1, 0.05);
     return filter;
   }
-  double distance_m(const Pose& a, const Pose& b) const { return std::hypot(a.x_m - b.x_m, a.y_m - b.y_m); }
 };
 
 TEST_F(Filter, TracksWithEveryModelAndScheme) {
@@ -83,8 +86,8 @@ TEST_F(Filter, AJumpOfTheOdometryIsCountedAndSpreadsTheParticles) {
     most = std::max<double>(most, p.x_m);
     least = std::min<double>(least, p.x_m);
   }
-  EXPECT_GT(most - least,
-            3.0);  // sigma is alpha3 * 3 m, three times over for a jump of three times the limit
+  // Sigma is alpha3 * 3 m, three times over for a jump of three times the limit.
+  EXPECT_GT(most - least, 3.0);
 }
 
 TEST_F(Filter, WithoutEnoughBeamsItOnlyPredicts) {
@@ -97,10 +100,7 @@ TEST_F(Filter, WithoutEnoughBeamsItOnlyPredicts) {
 }
 
 TEST_F(Filter, StepsBelowTheUpdateThresholdsAreDeadReckoning) {
-  FilterConfig config = small_config();
-  config.update_min_d = 0.5;
-  config.update_min_a = 10.0;
-  ParticleFilter filter = started(config);
+  ParticleFilter filter = started(every_half_metre());
   std::size_t weighted = 0;
   Estimate e;
   for (const LogRecord& r : drive.scans) {
@@ -124,25 +124,16 @@ TEST_F(Filter, OneParticleIsAFilterToo) {
 }
 
 TEST_F(Filter, RefusesWhatCannotBe) {
-  const auto kind_of = [](const auto& action) {
-    try {
-      action();
-    } catch (const Error& e) {
-      return e.kind();
-    }
-    ADD_FAILURE() << "no error";
-    return ErrorKind::internal;
-  };
   ParticleFilter filter(small_config(), room);
-  EXPECT_EQ(kind_of([&] { filter.start_at({100.0, 0.0, 0.0}, 0.1, 0.1, 0.1); }), ErrorKind::input);
-  EXPECT_EQ(kind_of([&] { filter.start_at({NAN, 0.0, 0.0}, 0.1, 0.1, 0.1); }), ErrorKind::input);
-  EXPECT_EQ(kind_of([&] { filter.step({}, drive.scans[0].scan); }), ErrorKind::internal);  // not started
+  error_of([&] { filter.start_at({100.0, 0.0, 0.0}, 0.1, 0.1, 0.1); }, ErrorKind::input);
+  error_of([&] { filter.start_at({NAN, 0.0, 0.0}, 0.1, 0.1, 0.1); }, ErrorKind::input);
+  error_of([&] { filter.step({}, drive.scans[0].scan); }, ErrorKind::internal);  // not started
   FilterConfig none = small_config();
   none.particles = 0;
-  EXPECT_EQ(kind_of([&] { ParticleFilter(none, room); }), ErrorKind::config);
+  error_of([&] { ParticleFilter(none, room); }, ErrorKind::config);
   GridMap walls = room;
   for (Cell& c : walls.cells) c = Cell::occupied;
-  EXPECT_EQ(kind_of([&] { ParticleFilter(small_config(), walls); }), ErrorKind::input);
+  error_of([&] { ParticleFilter(small_config(), walls); }, ErrorKind::input);
 }
 
 // The same start again is the same run: nothing of the first one is left.
@@ -189,9 +180,7 @@ TEST_F(Filter, TwoLidarsAreWorthOneWithTheBeamsOfBoth) {
     // Beams are rounded to 2^-16 nat (at most 61 half steps: 5e-4) and weights to 2^-40, twice; directions of
     // a remounted sensor differ in the last bit of float32, which likelihoods of 0.1 m see as 1e-6.
     constexpr double tolerance = 2e-3;
-    EXPECT_NEAR(both.mean.mean.x_m, whole.mean.mean.x_m, 1e-4);
-    EXPECT_NEAR(both.mean.mean.y_m, whole.mean.mean.y_m, 1e-4);
-    EXPECT_NEAR(both.mean.mean.theta_rad, whole.mean.mean.theta_rad, 1e-4);
+    expect_near(both.mean.mean, whole.mean.mean, 1e-4, 1e-4);
     EXPECT_NEAR(both.n_eff / whole.n_eff, 1.0, tolerance);
     EXPECT_LT(whole.n_eff, 400.0);  // the scan said something
     const std::vector<Particle> a = one.particles(), b = two.particles();
@@ -235,10 +224,7 @@ TEST_F(Filter, CountsBeamsByLidar) {
 }
 
 TEST_F(Filter, UpdateThresholdsHoldForEachLidarOfItsOwn) {
-  FilterConfig config = small_config();
-  config.update_min_d = 0.5;
-  config.update_min_a = 10.0;
-  ParticleFilter filter = started(config);
+  ParticleFilter filter = started(every_half_metre());
   for (const LogRecord& r : drive.scans) {
     filter.step(r.odometry, part_of(r.scan, 0, 30, "front"));
     filter.step(r.odometry, part_of(r.scan, 30, 31, "rear"));

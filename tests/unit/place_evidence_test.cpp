@@ -3,8 +3,6 @@
 
 #include <gtest/gtest.h>
 
-#include <cmath>
-
 #include "common/filter/pose_rays.h"
 #include "common/io/log.h"
 #include "tests/unit/localize_scenes.h"
@@ -25,11 +23,8 @@ GridMap corridor_with_column() {
 /// 91 beams all around that reach 4 m, without noise.
 BeamTable seen_from(const GridMap& map, const Pose& pose) {
   const PoseRays rays(map);
-  Scan scan;
-  scan.angle_min_rad = -M_PI;
-  scan.angle_step_rad = 2.0 * M_PI / 91.0;
-  scan.range_min_m = 0.1;
-  scan.range_max_m = 4.0;
+  Scan scan{
+      .angle_min_rad = -M_PI, .angle_step_rad = 2.0 * M_PI / 91.0, .range_min_m = 0.1, .range_max_m = 4.0};
   for (int k = 0; k < 91; ++k) {
     const double heading = pose.theta_rad + scan.angle_min_rad + k * scan.angle_step_rad;
     scan.ranges_m.push_back(rays.cast(static_cast<float>(pose.x_m), static_cast<float>(pose.y_m),

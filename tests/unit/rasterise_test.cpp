@@ -3,20 +3,14 @@
 
 #include <gtest/gtest.h>
 
-#include <algorithm>
-#include <cmath>
 #include <random>
-#include <string>
-#include <utility>
-#include <vector>
 
 #include "common/map/segment_map.h"
 
 namespace parloc {
 namespace {
 
-// ---- cells
-// ---------------------------------------------------------------------------------------------------
+// ---- cells ------------------------------------------------------------------------------------------------
 
 /// How far the closed cell is from the segment, both in cells: 0 if they touch. By the separating axes: the
 /// largest gap between their shadows on the axes and on the segment's normal.

@@ -9,7 +9,7 @@
 
 #include "common/error.h"
 #include "common/filter/filter_backend.h"
-#include "common/map/blocking_cells.h"
+#include "common/map/grid_map.h"
 #include "common/map/rays/skip_field.h"
 #include "common/model/beams.h"
 
@@ -202,9 +202,8 @@ TEST(RayCast, ManyAtOnceGiveTheRangesOfOneByOne) {
   scan.range_max_m = 9.0;
   scan.ranges_m.assign(73, 1.0f);
   const auto ranges = [&](RayCaster caster) {
-    FilterBackendConfig config;
-    config.particles = static_cast<std::int64_t>(poses.x.size());
-    config.sensor = default_sensor(SensorModel::gaussian);
+    FilterBackendConfig config{.particles = static_cast<std::int64_t>(poses.x.size()),
+                               .sensor = default_sensor(SensorModel::gaussian)};
     config.sensor.caster = caster;
     BeamTable beams;
     BeamCounts counts;

@@ -9,6 +9,7 @@
 
 #include "common/io/trajectory.h"
 #include "common/map/map_reader.h"
+#include "tests/unit/expect.h"
 #include "tests/unit/real_data.h"
 #include "tests/unit/whole_log.h"
 
@@ -79,9 +80,7 @@ TEST(RealLog, Tb3House) {
   EXPECT_NEAR(scan.angle_step_rad, 2.0 * M_PI / 359.0, 1e-9);
   EXPECT_EQ(scan.range_max_m, 3.5);
   // The line's poses have 6 decimals.
-  EXPECT_NEAR(scan.T_base_sensor.x_m, -0.032, 2e-6);
-  EXPECT_NEAR(scan.T_base_sensor.y_m, 0.0, 2e-6);
-  EXPECT_NEAR(scan.T_base_sensor.theta_rad, 0.0, 2e-6);
+  expect_near(scan.T_base_sensor, {-0.032, 0.0, 0.0}, 2e-6, 2e-6);
 }
 
 // ---- the logs that ship -------------------------------------------------------------------------

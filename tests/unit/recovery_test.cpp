@@ -4,8 +4,6 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
-#include <cmath>
-#include <vector>
 
 #include "common/filter/bind.h"
 #include "common/filter/free_space.h"
@@ -14,11 +12,12 @@
 namespace parloc {
 namespace {
 
+RecoveryRates rates_of(double slow, double fast, double margin) {
+  return bind_recovery({.recovery_alpha_slow = slow, .recovery_alpha_fast = fast, .recovery_margin = margin});
+}
+
 std::vector<double> shares(const std::vector<double>& scans, double slow, double fast, double margin = 1.0) {
-  RecoveryConfig config;
-  config.recovery_alpha_slow = slow, config.recovery_alpha_fast = fast;
-  config.recovery_margin = margin;
-  const RecoveryRates rates = bind_recovery(config);
+  const RecoveryRates rates = rates_of(slow, fast, margin);
   LikelihoodMeans means;
   std::vector<double> out;
   for (const double scan : scans) {
@@ -99,12 +98,9 @@ TEST(Recovery, ALikelihoodIsAMeanOverWhatTheWeightsWere) {
 }
 
 TEST(Recovery, AStepWithoutAScanSaysNothing) {
-  RecoveryConfig config;
-  config.recovery_alpha_slow = 0.1, config.recovery_alpha_fast = 0.5;
-  config.recovery_margin = 1.0;
   const std::uint64_t one = std::uint64_t{1} << weight_bits(Tail::kCapacity);
   Tail t;
-  t.rates = bind_recovery(config);
+  t.rates = rates_of(0.1, 0.5, 1.0);
   t.scan(-1.0f, 10 * one);
   t.scan(-9.0f, 10 * one);
   EXPECT_GT(t.state.inject, 0.1);

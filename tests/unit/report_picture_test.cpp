@@ -1,10 +1,6 @@
 // The pictures of a run: sizes, and what is drawn in which colour.
 #include <gtest/gtest.h>
 
-#include <algorithm>
-#include <cstddef>
-#include <string>
-
 #include "tests/unit/decoded_png.h"
 #include "tests/unit/sample_report.h"
 #include "tools/report/report.h"
@@ -25,7 +21,7 @@ TEST_F(ReportTest, LivePictureHasMapPathRobotAndWords) {
   report.steps.clear(), report.errors.reset(), report.truth.reset(), report.odometry.clear();
   const auto drawn = [&](const std::string& caption) {
     write_live_picture(in_folder("live.png"), report, caption);
-    return decode(read(in_folder("live.png")));
+    return decode(test::content_of(in_folder("live.png")));
   };
   const Picture picture = drawn("12 scans");
   EXPECT_GE(std::max(picture.width, picture.height), 400);
@@ -38,7 +34,7 @@ TEST_F(ReportTest, LivePictureHasMapPathRobotAndWords) {
 TEST_F(ReportTest, PictureIsAPngWithEveryPath) {
   const RunReport report = sample(&map_, 600);
   write_picture(in_folder("picture.png"), report);
-  const std::string png = read(in_folder("picture.png"));
+  const std::string png = test::content_of(in_folder("picture.png"));
   ASSERT_EQ(png.substr(0, 8), "\x89PNG\r\n\x1A\n");
   const Picture picture = decode(png);
   ASSERT_GE(picture.width, 1000);
@@ -52,7 +48,7 @@ TEST_F(ReportTest, PictureIsAPngWithEveryPath) {
 TEST_F(ReportTest, ErrorPictureHasThreePanelsWithErrorAndBand) {
   for (const int steps : {300, 15000}) {  // a line, and so many samples that means are drawn
     write_error_picture(in_folder("errors.png"), sample(&map_, steps));
-    const Picture picture = decode(read(in_folder("errors.png")));
+    const Picture picture = decode(test::content_of(in_folder("errors.png")));
     ASSERT_GT(picture.height, 600);
     const std::size_t panel = picture.rgb.size() / static_cast<std::size_t>(picture.height) * 220;
     for (std::size_t k = 0; k < 3; ++k) {

@@ -2,17 +2,14 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
-#include <cmath>
 #include <limits>
-#include <string>
-#include <vector>
 
 #include "common/error.h"
 #include "tests/unit/decoded_png.h"
 #include "tools/report/map_view.h"
 #include "tools/report/pictures/png_writer.h"
+#include "tools/report/plots/plot.h"
 #include "tools/report/plots/plot_shapes.h"
-#include "tools/report/plots/svg_plot.h"
 #include "tools/report/report_sections.h"
 #include "tools/report/text/html_text.h"
 
@@ -21,51 +18,53 @@ namespace {
 
 constexpr double nan = std::numeric_limits<double>::quiet_NaN();
 
-TEST(MapView, OccupiedCellsWinWhenALargeMapIsShrunk) {
+GridMap free_map(std::int32_t width, std::int32_t height, double resolution_m) {
   GridMap map;
-  map.width = 5000, map.height = 3000, map.resolution_m = 0.05;
-  map.cells.assign(5000U * 3000U, Cell::free);
-  map.cells[1234U * 5000U + 4321U] = Cell::occupied;
+  map.width = width, map.height = height, map.resolution_m = resolution_m;
+  map.cells.assign(static_cast<std::size_t>(width) * static_cast<std::size_t>(height), Cell::free);
+  return map;
+}
+RunReport report_on(const GridMap& map) {
   RunReport report;
   report.map = &map;
+  return report;
+}
+Cell cell_under(const std::vector<Cell>& cells, const MapView& view, const Pixel& at) {
+  return cells[static_cast<std::size_t>(at.y) * static_cast<std::size_t>(view.width_px) +
+               static_cast<std::size_t>(at.x)];
+}
+
+TEST(MapView, OccupiedCellsWinWhenALargeMapIsShrunk) {
+  GridMap map = free_map(5000, 3000, 0.05);
+  map.cells[1234U * 5000U + 4321U] = Cell::occupied;
+  const RunReport report = report_on(map);
   const MapView view = fit_view(report, 1, 1600).value();
   EXPECT_LE(std::max(view.width_px, view.height_px), 1600);
   const std::vector<Cell> cells = raster(map, view);
   ASSERT_EQ(cells.size(), static_cast<std::size_t>(view.width_px) * static_cast<std::size_t>(view.height_px));
-  const Pixel at = view.to_pixel(4321.5 * 0.05, 1234.5 * 0.05);
   EXPECT_EQ(std::count(cells.begin(), cells.end(), Cell::occupied), 1);
-  EXPECT_EQ(cells[static_cast<std::size_t>(at.y) * static_cast<std::size_t>(view.width_px) +
-                  static_cast<std::size_t>(at.x)],
-            Cell::occupied);
+  EXPECT_EQ(cell_under(cells, view, view.to_pixel(4321.5 * 0.05, 1234.5 * 0.05)), Cell::occupied);
 }
 
 TEST(MapView, PointsLieOnTheirCellsInATurnedAndMagnifiedMap) {
-  GridMap map;
-  map.width = 30, map.height = 20, map.resolution_m = 0.5;
+  GridMap map = free_map(30, 20, 0.5);
   map.T_map_grid = {3.0, -4.0, 0.7};
-  map.cells.assign(600, Cell::free);
   map.cells[7 * 30 + 21] = Cell::occupied;
-  RunReport report;
-  report.map = &map;
+  const RunReport report = report_on(map);
   const MapView view = fit_view(report, 600, 1600).value();
   ASSERT_GT(view.up, 1);
   const std::vector<Cell> cells = raster(map, view);
-  const double gx = 21.5 * 0.5,
-               gy = 7.5 * 0.5;  // the cell's centre in the grid, then turned into the map frame
+  // The cell's centre in the grid, then turned into the map frame.
+  const double gx = 21.5 * 0.5, gy = 7.5 * 0.5;
   const Pixel at = view.to_pixel(3.0 + std::cos(0.7) * gx - std::sin(0.7) * gy,
                                  -4.0 + std::sin(0.7) * gx + std::cos(0.7) * gy);
-  EXPECT_EQ(cells[static_cast<std::size_t>(at.y) * static_cast<std::size_t>(view.width_px) +
-                  static_cast<std::size_t>(at.x)],
-            Cell::occupied);
+  EXPECT_EQ(cell_under(cells, view, at), Cell::occupied);
   EXPECT_EQ(std::count(cells.begin(), cells.end(), Cell::occupied), view.up * view.up);
 }
 
 TEST(MapView, CropsAHugeMapToThePath) {
-  GridMap map;
-  map.width = 4000, map.height = 4000, map.resolution_m = 0.1;
-  map.cells.assign(16000000U, Cell::free);
-  RunReport report;
-  report.map = &map;
+  const GridMap map = free_map(4000, 4000, 0.1);
+  RunReport report = report_on(map);
   report.estimate = {{0, {100, 100, 0}}, {1, {110, 104, 0}}};
   const MapView view = fit_view(report, 1, 1600).value();
   EXPECT_EQ(view.down, 1);

@@ -7,11 +7,8 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdlib>
-#include <filesystem>
-#include <fstream>
-#include <sstream>
-#include <string>
 
+#include "tests/unit/temp_file.h"
 #include "tools/report/report.h"
 
 namespace parloc::tools {
@@ -111,13 +108,7 @@ class ReportTest : public testing::Test {
   std::string in_folder(const std::string& name) const { return (folder_ / name).string(); }
   std::string html(const RunReport& report, const std::string& name = "report.html") const {
     write_report(in_folder(name), report);
-    return read(in_folder(name));
-  }
-  static std::string read(const std::string& path) {
-    std::ifstream file(path, std::ios::binary);
-    std::ostringstream text;
-    text << file.rdbuf();
-    return text.str();
+    return test::content_of(in_folder(name));
   }
 
   std::filesystem::path folder_;

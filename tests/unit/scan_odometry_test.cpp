@@ -1,10 +1,8 @@
 // Odometry from scans alone, on a simulated drive whose truth is known, and on a recorded log.
 #include <gtest/gtest.h>
 
-#include <cmath>
-
 #include "common/eval/metrics.h"
-#include "common/filter/scan_intake.h"
+#include "common/filter/step_front_end.h"
 #include "common/slam/grid_slam_config.h"
 #include "common/slam/scan_odometry.h"
 #include "common/slam/slam_backend.h"
@@ -14,38 +12,22 @@
 namespace parloc {
 namespace {
 
-/// 17 m through the hall of the paper with its noise of ranges.
 const std::vector<LogRecord>& drive() {
-  static const std::vector<LogRecord> scans = [] {
-    Scenario s = paper();
-    s.seed = 3;
-    return scans_of(simulate(s, fine_hall()));
-  }();
+  static const std::vector<LogRecord> scans = scans_of(hall_drive());
   return scans;
 }
-
-/// The truth from where the first scan was taken, at the scans.
-Trajectory truth_of_drive() {
-  static const Trajectory truth = [] {
-    Scenario s = paper();
-    s.seed = 3;
-    Trajectory t = simulate(s, fine_hall()).truth;
-    const Pose first = t.front().pose;
-    for (StampedPose& p : t) p.pose = relative(p.pose, first);
-    return t;
-  }();
-  return truth;
+std::vector<LogRecord> part_of_drive(std::size_t begin, std::size_t end) {
+  const auto at = [](std::size_t k) { return drive().begin() + static_cast<std::ptrdiff_t>(k); };
+  return {at(begin), at(end)};
 }
 
 class Walker {
  public:
-  Walker() : odometry(make_cpu_scan_matcher({bind_matcher_rules(SlamConfig{}), 1, 0})) {
-    scan_.max_beams = GridSlamConfig{}.scan.max_beams;
-  }
+  Walker() : odometry(make_cpu_scan_matcher({bind_matcher_rules(SlamConfig{}), 1, 0})), front_end_(config_) {}
 
   void walk(const LogRecord& r) {
-    const std::size_t lidar = intake_.lidar_of(r.scan);
-    const bool enough = intake_.take(r.scan, lidar, scan_, {}, {}, track_, SlamConfig{}.resolution, beams_);
+    const std::size_t lidar = front_end_.lidar_of(r.scan);
+    const bool enough = front_end_.take(r.scan, {}, SlamConfig{}.resolution, beams_);
     path.push_back({r.stamp_s, odometry.step(r.stamp_s, beams_, lidar, enough)});
   }
   void walk(const std::vector<LogRecord>& scans) {
@@ -57,24 +39,18 @@ class Walker {
   Trajectory path;
 
  private:
-  ScanConfig scan_;
-  ScanIntake intake_;
-  OdometryTrack track_{1.0};
+  GridSlamConfig config_;
+  StepFrontEnd front_end_;
   BeamTable beams_;
 };
 
 double end_error_m(const Trajectory& path) {
-  const Pose d = relative(path.back().pose, truth_of_drive().back().pose);
-  return std::sqrt(d.x_m * d.x_m + d.y_m * d.y_m);
+  return distance_m(path.back().pose, truth_of_hall_drive().back().pose);
 }
 
-bool same_path(const Trajectory& a, const Trajectory& b) {
-  if (a.size() != b.size()) return false;
-  for (std::size_t k = 0; k < a.size(); ++k)
-    if (a[k].pose.x_m != b[k].pose.x_m || a[k].pose.y_m != b[k].pose.y_m ||
-        a[k].pose.theta_rad != b[k].pose.theta_rad)
-      return false;
-  return true;
+void expect_same_path(const Trajectory& a, const Trajectory& b) {
+  ASSERT_EQ(a.size(), b.size());
+  for (std::size_t k = 0; k < a.size(); ++k) expect_equal(a[k].pose, b[k].pose);
 }
 
 // Of 17 m: 2 % of the path, what wheels that are well calibrated give.
@@ -84,7 +60,7 @@ TEST(ScanOdometry, DriftsLittle) {
   EXPECT_EQ(w.counts().scans, drive().size());
   EXPECT_EQ(w.counts().unfit, 0u);
   EXPECT_LT(end_error_m(w.path), 0.34);
-  EXPECT_LT(compare_tracks(w.path, truth_of_drive()).heading_rmse_rad, 0.03);
+  EXPECT_LT(compare_tracks(w.path, truth_of_hall_drive()).heading_rmse_rad, 0.03);
 }
 
 TEST(ScanOdometry, TheSameBitsOnEveryInstructionSet) {
@@ -92,23 +68,23 @@ TEST(ScanOdometry, TheSameBitsOnEveryInstructionSet) {
   for (const cpu::Simd set : test::instruction_sets()) {
     const test::SimdLimit limit(set);
     Walker w;
-    w.walk(std::vector<LogRecord>(drive().begin(), drive().begin() + 60));
+    w.walk(part_of_drive(0, 60));
     paths.push_back(w.path);
   }
-  for (const Trajectory& path : paths) EXPECT_TRUE(same_path(path, paths.front()));
+  for (const Trajectory& path : paths) expect_same_path(path, paths.front());
 }
 
 // What a checkpoint needs.
 TEST(ScanOdometry, GoesOnFromItsState) {
   Walker whole, first, second;
-  const auto half = static_cast<std::ptrdiff_t>(drive().size() / 2);
+  const std::size_t half = drive().size() / 2;
   whole.walk(drive());
-  first.walk(std::vector<LogRecord>(drive().begin(), drive().begin() + half));
+  first.walk(part_of_drive(0, half));
   second.odometry.restore(first.odometry.state());
-  second.walk(std::vector<LogRecord>(drive().begin() + half, drive().end()));
+  second.walk(part_of_drive(half, drive().size()));
   Trajectory both = first.path;
   both.insert(both.end(), second.path.begin(), second.path.end());
-  EXPECT_TRUE(same_path(whole.path, both));
+  expect_same_path(whole.path, both);
   EXPECT_EQ(whole.counts().scans, second.counts().scans);
 }
 
@@ -128,7 +104,7 @@ TEST(ScanOdometry, OddStampsDoNoHarm) {
 // A place that looks like nothing before: the prediction is kept, then the map begun anew.
 TEST(ScanOdometry, SaysWhereNothingFits) {
   Walker w;
-  w.walk(std::vector<LogRecord>(drive().begin(), drive().begin() + 30));
+  w.walk(part_of_drive(0, 30));
   const Pose before = w.path.back().pose;
   for (int k = 0; k < 25; ++k) {
     LogRecord r = drive()[30];
@@ -139,13 +115,12 @@ TEST(ScanOdometry, SaysWhereNothingFits) {
   }
   EXPECT_EQ(w.counts().unfit, 10u);
   EXPECT_EQ(w.counts().new_maps, 1u);
-  const Pose moved = relative(w.path.back().pose, before);
-  EXPECT_LT(std::sqrt(moved.x_m * moved.x_m + moved.y_m * moved.y_m), 2.0);
+  EXPECT_LT(distance_m(w.path.back().pose, before), 2.0);
 }
 
 TEST(ScanOdometry, TooFewBeamsKeepThePrediction) {
   Walker w;
-  w.walk(std::vector<LogRecord>(drive().begin(), drive().begin() + 30));
+  w.walk(part_of_drive(0, 30));
   LogRecord blind = drive()[30];
   blind.scan.ranges_m.assign(blind.scan.ranges_m.size(), 0.0f);
   w.walk(blind);

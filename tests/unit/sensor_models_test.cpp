@@ -3,7 +3,6 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
-#include <cmath>
 #include <limits>
 
 #include "common/config/config.h"
@@ -135,14 +134,10 @@ double wall_range_m(double bearing_rad) {
   return std::min(x, y);
 }
 
-/// All around, true to the map, but for `blocked` of every ten beams, which end half way, far from
-/// any wall; or
-/// without those.
+/// All around, true to the map, but for `blocked` of every ten beams, which end half way, far from any wall;
+/// or without those.
 Scan look_around(std::size_t blocked, bool without = false) {
-  Scan s;
-  s.angle_min_rad = -3.1;
-  s.angle_step_rad = 0.07;
-  s.range_max_m = 10.0;
+  Scan s{.angle_min_rad = -3.1, .angle_step_rad = 0.07, .range_max_m = 10.0};
   for (std::size_t i = 0; i < 88; ++i) {
     const double range_m = wall_range_m(s.angle_min_rad + static_cast<double>(i) * s.angle_step_rad);
     const bool is_blocked = i % 10 < blocked;
@@ -156,10 +151,7 @@ Scan look_around(std::size_t blocked, bool without = false) {
 /// the particles are together.
 std::vector<float> log_weights(const SensorConfig& sensor, const Scan& scan, double spread_m = 0.05) {
   const GridMap map = room();
-  FilterBackendConfig c;
-  c.particles = 400;
-  c.threads = 2;
-  c.sensor = sensor;
+  const FilterBackendConfig c{.particles = 400, .threads = 2, .sensor = sensor};
   const auto backend = make_cpu_filter_backend(c);
   BeamTable beams;
   BeamCounts counts;
@@ -175,9 +167,10 @@ std::vector<float> log_weights(const SensorConfig& sensor, const Scan& scan, dou
   return backend->download().log_weight;
 }
 
-SensorConfig beam_skip() {
+SensorConfig beam_skip(bool on = true) {
   SensorConfig c = default_sensor(SensorModel::likelihood_field_prob);
   c.tempering = 1.0;
+  c.do_beamskip = on;
   return c;
 }
 
@@ -186,27 +179,22 @@ TEST(BeamSkip, LeavesOutWhatFewAgreeWith) {
 }
 
 TEST(BeamSkip, WithoutItTheModelIsTheLikelihoodField) {
-  SensorConfig off = beam_skip();
-  off.do_beamskip = false;
   SensorConfig field = default_sensor(SensorModel::likelihood_field);
   field.tempering = 1.0;
-  EXPECT_EQ(log_weights(off, look_around(3)), log_weights(field, look_around(3)));
+  EXPECT_EQ(log_weights(beam_skip(false), look_around(3)), log_weights(field, look_around(3)));
   EXPECT_NE(log_weights(beam_skip(), look_around(3)), log_weights(field, look_around(3)));
 }
 
 TEST(BeamSkip, AllBeamsCountIfTooManyWouldBeSkipped) {
-  SensorConfig off = beam_skip();
-  off.do_beamskip = false;
-  EXPECT_EQ(log_weights(beam_skip(), look_around(10)), log_weights(off, look_around(10)));
+  EXPECT_EQ(log_weights(beam_skip(), look_around(10)), log_weights(beam_skip(false), look_around(10)));
   SensorConfig always = beam_skip();
   always.beam_skip_error_threshold = 0.2;
-  EXPECT_EQ(log_weights(always, look_around(3)), log_weights(off, look_around(3)));
+  EXPECT_EQ(log_weights(always, look_around(3)), log_weights(beam_skip(false), look_around(3)));
 }
 
 TEST(BeamSkip, AllBeamsCountWhileTheParticlesAreApart) {
-  SensorConfig off = beam_skip();
-  off.do_beamskip = false;
-  EXPECT_EQ(log_weights(beam_skip(), look_around(3), 0.5), log_weights(off, look_around(3), 0.5));
+  EXPECT_EQ(log_weights(beam_skip(), look_around(3), 0.5),
+            log_weights(beam_skip(false), look_around(3), 0.5));
 }
 
 TEST(BeamSkip, AgreesWithinTheDistanceAndNowhereOffTheMap) {

@@ -4,14 +4,11 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
-#include <cstdint>
 #include <numbers>
-#include <string>
-#include <vector>
 
-#include "common/error.h"
 #include "common/map/map_reader.h"
 #include "common/simulator/simulator.h"
+#include "tests/unit/expect.h"
 
 namespace parloc {
 
@@ -34,6 +31,23 @@ inline Scenario noise_free(Scenario s) {
 inline const GridMap& fine_hall() {
   static const GridMap map = read_map(kRoot + "maps/fine/hall_obstacles.yaml");
   return map;
+}
+
+/// 17 m through the hall of the paper with its noise of odometry and ranges.
+inline const SimulatedLog& hall_drive() {
+  static const SimulatedLog log = [] {
+    Scenario s = paper();
+    s.seed = 3;
+    return simulate(s, fine_hall());
+  }();
+  return log;
+}
+/// Its truth from where the first scan was taken, at the scans.
+inline Trajectory truth_of_hall_drive() {
+  Trajectory truth = hall_drive().truth;
+  const Pose first = truth.front().pose;
+  for (StampedPose& p : truth) p.pose = relative(p.pose, first);
+  return truth;
 }
 
 /// An empty room of 30 x 4 m with walls, for drives along +x from (2, 2).
@@ -88,19 +102,6 @@ inline Scenario spin() {
   s.lidar.range_max_m = 50.0;
   s.lidar.scan_time_s = 0.1;
   return s;
-}
-
-/// The message of the Error that `body` throws, and its kind.
-template <class Body>
-std::string error_of(Body&& body, ErrorKind kind) {
-  try {
-    body();
-  } catch (const Error& e) {
-    EXPECT_EQ(e.kind(), kind) << e.what();
-    return e.what();
-  }
-  ADD_FAILURE() << "nothing was thrown";
-  return "";
 }
 
 }  // namespace parloc

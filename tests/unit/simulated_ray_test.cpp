@@ -1,24 +1,11 @@
 // The simulator's ray caster against SPEC 2.2.
 #include <gtest/gtest.h>
 
-#include "common/simulator/simulator.h"
+#include "tests/unit/map_t1.h"
 #include "tests/unit/simulated.h"
 
 namespace parloc {
 namespace {
-
-/// Test map T1 (SPEC 0.2): 10 x 8 cells of 0.5 m at (-1, -2), a wall around it, and cells (6, 4) and (3, 2).
-GridMap t1() {
-  return grid_from_text({"##########",   //
-                         "#........#",   //
-                         "#........#",   //
-                         "#.....#..#",   //
-                         "#........#",   //
-                         "#..#.....#",   //
-                         "#........#",   //
-                         "##########"},  //
-                        0.5, {-1.0, -2.0, 0.0});
-}
 
 TEST(SimulatedRay, meets_the_table_of_the_specification) {
   struct Row {
@@ -37,7 +24,7 @@ TEST(SimulatedRay, meets_the_table_of_the_specification) {
                       {0.8, 333, 3.030280841613, 9, 1},
                       {0.5, 180, 1.0, 0, 4},
                       {0.5, 0, 1.5, 6, 4}};
-  const GridMap map = t1();
+  const GridMap map = test::map_t1();
   for (const Row& row : rows) {
     const SimulatedHit hit = cast_simulated_ray(map, row.x_m, 0.15, row.angle_deg * kDeg, 10.0);
     EXPECT_TRUE(hit.hit) << row.angle_deg;
@@ -48,7 +35,7 @@ TEST(SimulatedRay, meets_the_table_of_the_specification) {
 }
 
 TEST(SimulatedRay, misses_beyond_its_reach_and_outside_the_grid) {
-  const GridMap map = t1();
+  const GridMap map = test::map_t1();
   const SimulatedHit near = cast_simulated_ray(map, 0.8, 0.15, 0.0, 1.19);
   EXPECT_FALSE(near.hit);
   EXPECT_EQ(near.range_m, 1.19);
@@ -62,7 +49,7 @@ TEST(SimulatedRay, misses_beyond_its_reach_and_outside_the_grid) {
 }
 
 TEST(SimulatedRay, knows_a_turned_grid) {
-  const GridMap straight = t1();
+  const GridMap straight = test::map_t1();
   GridMap turned = straight;
   turned.T_map_grid = {3.0, -2.0, 0.7};
   for (int k = 0; k < 36; ++k) {

@@ -4,10 +4,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
-#include <cmath>
-#include <string>
 #include <utility>
-#include <vector>
 
 #include "common/simulator/drive.h"
 #include "tests/unit/simulated.h"
@@ -155,10 +152,7 @@ TEST(Simulator, odometry_without_noise_is_the_truth_in_its_own_frame) {
   ASSERT_EQ(scans.size(), log.truth.size());
   for (std::size_t k = 0; k < log.truth.size(); ++k) {
     const Pose truth = relative(log.truth[k].pose, log.truth[0].pose);
-    const Pose odometry = relative(scans[k].odometry, s.odometry.start);
-    EXPECT_NEAR(truth.x_m, odometry.x_m, 1e-9);
-    EXPECT_NEAR(truth.y_m, odometry.y_m, 1e-9);
-    EXPECT_NEAR(truth.theta_rad, odometry.theta_rad, 1e-9);
+    expect_near(truth, relative(scans[k].odometry, s.odometry.start), 1e-9, 1e-9);
   }
 }
 
@@ -204,8 +198,8 @@ TEST(Simulator, systematic_errors_are_exact) {
   s.odometry.drift_rad_per_m = 0.01;
   EXPECT_NEAR(final_errors(s, 1)[0].theta_rad, 0.1, 1e-9);
   s = noise_free(paper());
-  s.odometry.scale_rotation =
-      1.1;  // left, right, left, right: 53.13, -53.13, 90, -90 degrees cancel; seen in between
+  // Left, right, left, right: 53.13, -53.13, 90, -90 degrees cancel; seen in between.
+  s.odometry.scale_rotation = 1.1;
   const SimulatedLog log = simulate(s, fine_hall());
   double largest = 0.0;
   for (const LogRecord& record : log.records) largest = std::max(largest, record.odometry.theta_rad);

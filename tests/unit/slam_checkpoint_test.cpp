@@ -2,14 +2,10 @@
 // no checkpoint is told in one line.
 #include <gtest/gtest.h>
 
-#include <algorithm>
 #include <cstring>
-#include <string>
-#include <utility>
-#include <vector>
 
 #include "common/file/bytes.h"
-#include "common/slam/checkpoint_frame.h"
+#include "common/slam/checkpoint_values.h"
 #include "common/slam/grid_slam.h"
 #include "common/slam/grid_slam_config.h"
 #include "common/slam/slam_settings.h"
@@ -80,10 +76,11 @@ void expect_same(const GridSlam& a, const GridSlam& b) {
   EXPECT_EQ(a.memory().table_bytes, b.memory().table_bytes);
   ASSERT_EQ(a.lidars_used().size(), b.lidars_used().size());
   for (std::size_t k = 0; k < a.lidars_used().size(); ++k) {
-    EXPECT_EQ(a.lidars_used()[k].name, b.lidars_used()[k].name);
-    EXPECT_EQ(a.lidars_used()[k].scans, b.lidars_used()[k].scans);
-    EXPECT_EQ(a.lidars_used()[k].moving, b.lidars_used()[k].moving);
-    EXPECT_EQ(a.lidars_used()[k].beams.used, b.lidars_used()[k].beams.used);
+    const LidarUse &x = a.lidars_used()[k], &y = b.lidars_used()[k];
+    EXPECT_EQ(x.name, y.name);
+    EXPECT_EQ(x.scans, y.scans);
+    EXPECT_EQ(x.moving, y.moving);
+    EXPECT_EQ(x.beams.used, y.beams.used);
   }
 }
 
@@ -152,13 +149,13 @@ class SlamCheckpointFile : public testing::Test {
     GridSlam slam(config());
     run(slam, 0, 20);
     slam.save(file_.path());
-    bytes_ = test::read_file(file_.path());
+    bytes_ = test::content_of(file_.path());
   }
   /// Of a file with this content.
   static std::string words(const std::string& bytes) {
     const std::string said = error_of([&] { GridSlam slam{SlamCheckpoint(bytes, "c")}; }, ErrorKind::input);
     EXPECT_EQ(said.rfind("c: ", 0), 0u) << said;
-    EXPECT_EQ(said.find('\n'), std::string::npos) << said;
+    expect_none_of(said, {"\n"});
     return said;
   }
   test::TempFile file_;
@@ -166,19 +163,19 @@ class SlamCheckpointFile : public testing::Test {
 };
 
 TEST_F(SlamCheckpointFile, WhatIsNoCheckpointIsTold) {
-  EXPECT_NE(words("").find("expected a checkpoint"), std::string::npos);
-  EXPECT_NE(words("image: map.pgm\nresolution: 0.05\n").find("expected a checkpoint"), std::string::npos);
-  for (const std::size_t size : {23u, 30u, 90u, 5000u})
-    EXPECT_NE(words(bytes_.substr(0, size)).find("cut short"), std::string::npos) << size;
-  EXPECT_NE(words(bytes_.substr(0, bytes_.size() - 1)).find("cut short"), std::string::npos);
+  expect_parts(words(""), {"expected a checkpoint"});
+  expect_parts(words("image: map.pgm\nresolution: 0.05\n"), {"expected a checkpoint"});
+  for (const std::size_t size :
+       {std::size_t{23}, std::size_t{30}, std::size_t{90}, std::size_t{5000}, bytes_.size() - 1})
+    expect_parts(words(bytes_.substr(0, size)), {"cut short"});
   for (const std::size_t place : {40u, 4000u}) {
     std::string damaged = bytes_;
     damaged[place] ^= 1;
-    EXPECT_NE(words(damaged).find("checksum"), std::string::npos) << place;
+    expect_parts(words(damaged), {"checksum"});
   }
   std::string newer = bytes_;
   newer[23] = 9;
-  EXPECT_NE(words(newer).find("found 9: made by a newer parloc"), std::string::npos);
+  expect_parts(words(newer), {"found 9: made by a newer parloc"});
   error_of([] { SlamCheckpoint("no/such/file"); }, ErrorKind::input);
   error_of([] { SlamCheckpoint("/"); }, ErrorKind::input);
 }
@@ -221,8 +218,8 @@ TEST_F(SlamCheckpointFile, NoCountIsBelieved) {
 TEST_F(SlamCheckpointFile, GoesOnWithItsOwnSettingsOnly) {
   SlamCheckpoint other(file_.path());
   other.config.slam.usable_range = 7.0;
-  const std::string said = error_of([&] { GridSlam slam(std::move(other)); }, ErrorKind::config);
-  EXPECT_NE(said.find("slam.usable_range is 30 there and 7 here"), std::string::npos) << said;
+  expect_parts(error_of([&] { GridSlam slam(std::move(other)); }, ErrorKind::config),
+               {"slam.usable_range is 30 there and 7 here"});
 }
 
 TEST(ConfigDifference, NamesTheFirstSettingThatDiffers) {

@@ -1,12 +1,8 @@
 // The parts of grid SLAM against known answers and slow references.
 #include <gtest/gtest.h>
 
-#include <cmath>
-#include <map>
-#include <memory>
 #include <set>
 #include <utility>
-#include <vector>
 
 #include "common/slam/gaussian_proposal.h"
 #include "common/slam/matching/draw.h"
@@ -16,8 +12,7 @@
 namespace parloc {
 namespace {
 
-// ---- Cells
-// -------------------------------------------------------------------------------------------------
+// ---- Cells ------------------------------------------------------------------------------------------------
 
 TEST(SlamCell, CountsBeamsAndWhereTheyEnded) {
   CellWord w = 0;
@@ -55,8 +50,11 @@ TEST(SlamCell, AgesBeforeAnyFieldRunsOver) {
   }
 }
 
-// ---- The cells that a beam passes
-// -------------------------------------------------------------------------------------
+// ---- The cells that a beam passes -------------------------------------------------------------------------
+
+std::pair<int, int> cell_at(double u, double v) {
+  return {static_cast<int>(std::floor(u)), static_cast<int>(std::floor(v))};
+}
 
 /// Cells by many small steps in float64; those that a step may have jumped over at a corner are missing.
 std::set<std::pair<int, int>> cells_by_steps(const DrawnBeam& b) {
@@ -64,17 +62,19 @@ std::set<std::pair<int, int>> cells_by_steps(const DrawnBeam& b) {
   constexpr int kSteps = 20000;
   for (int k = 0; k <= kSteps; ++k) {
     const double t = static_cast<double>(k) / kSteps;
-    cells.insert({static_cast<int>(std::floor(b.u0 + t * (static_cast<double>(b.u1) - b.u0))),
-                  static_cast<int>(std::floor(b.v0 + t * (static_cast<double>(b.v1) - b.v0)))});
+    cells.insert(cell_at(b.u0 + t * (double{b.u1} - b.u0), b.v0 + t * (double{b.v1} - b.v0)));
   }
   return cells;
 }
 
+/// Numbers from 0 to 1, the same everywhere.
+struct Random {
+  std::uint32_t state;
+  float operator()() { return static_cast<float>((state = state * 1664525u + 1013904223u) >> 8) * 0x1p-24f; }
+};
+
 TEST(CellWalk, PassesTheCellsBetweenItsEnds) {
-  std::uint32_t state = 1;
-  const auto random = [&] {
-    return static_cast<float>((state = state * 1664525u + 1013904223u) >> 8) * 0x1p-24f;
-  };
+  Random random{1};
   for (int k = 0; k < 300; ++k) {
     const DrawnBeam b{40.0f * random() - 20.0f, 40.0f * random() - 20.0f, 40.0f * random() - 20.0f,
                       40.0f * random() - 20.0f, true};
@@ -85,14 +85,12 @@ TEST(CellWalk, PassesTheCellsBetweenItsEnds) {
       ends += last ? 1 : 0;
     });
     ASSERT_EQ(ends, 1);
-    EXPECT_EQ(walked.front(),
-              std::make_pair(static_cast<int>(std::floor(b.u0)), static_cast<int>(std::floor(b.v0))));
-    EXPECT_EQ(walked.back(),
-              std::make_pair(static_cast<int>(std::floor(b.u1)), static_cast<int>(std::floor(b.v1))));
-    for (std::size_t n = 1; n < walked.size(); ++n)
-      EXPECT_EQ(
-          std::abs(walked[n].first - walked[n - 1].first) + std::abs(walked[n].second - walked[n - 1].second),
-          1);
+    EXPECT_EQ(walked.front(), cell_at(b.u0, b.v0));
+    EXPECT_EQ(walked.back(), cell_at(b.u1, b.v1));
+    for (std::size_t n = 1; n < walked.size(); ++n) {
+      const auto &here = walked[n], &before = walked[n - 1];
+      EXPECT_EQ(std::abs(here.first - before.first) + std::abs(here.second - before.second), 1);
+    }
     const std::set<std::pair<int, int>> seen(walked.begin(), walked.end());
     for (const auto& cell : cells_by_steps(b))
       EXPECT_TRUE(seen.count(cell)) << cell.first << " " << cell.second;
@@ -111,8 +109,7 @@ TEST(CellWalk, StaysInOneCellOrOnOneLine) {
   EXPECT_EQ(cells, 8);
 }
 
-// ---- Matching
-// ----------------------------------------------------------------------------------------------
+// ---- Matching ---------------------------------------------------------------------------------------------
 
 /// A map of 4 x 4 tiles around the origin.
 class MatchBeam : public testing::Test {
@@ -153,10 +150,7 @@ class MatchBeam : public testing::Test {
 };
 
 TEST_F(MatchBeam, EqualsTheDefinitionInFloat64AcrossTiles) {
-  std::uint32_t state = 7;
-  const auto random = [&] {
-    return static_cast<float>((state = state * 1664525u + 1013904223u) >> 8) * 0x1p-24f;
-  };
+  Random random{7};
   for (int k = 0; k < 2500; ++k)
     add(static_cast<int>(random() * 128.0f) - 64, static_cast<int>(random() * 128.0f) - 64,
         k % 3 == 0 ? cell_word(20, 1, 30, 40) : ended_at(random(), random()));
@@ -182,26 +176,31 @@ TEST_F(MatchBeam, AWallSeenFromBehindIsNoMatch) {
     for (int i = 3; i < 6; ++i) add(i, j, ended_at(0.5f, 0.5f));  // three cells thick
   tidy();
   EXPECT_GE(match_end(map(), end_of_beam(3.5f, 0.5f, 1.0f, 0.0f)), 0.0f);
-  EXPECT_EQ(match_end(map(), end_of_beam(4.5f, 0.5f, 0.0f, 1.0f)),
-            kNoMatch);  // what is before it is wall as well
+  // What is before it is wall as well.
+  EXPECT_EQ(match_end(map(), end_of_beam(4.5f, 0.5f, 0.0f, 1.0f)), kNoMatch);
 }
 
-// ---- Climbing
-// ----------------------------------------------------------------------------------------------
+// ---- Climbing ---------------------------------------------------------------------------------------------
 
-TEST(HillClimb, FindsTheTopOfASmoothHill) {
-  HillClimb climb;
-  climb.begin({0.3f, -0.2f, 3.1f}, {0.05f, 0.05f, 5}, 100);
-  const auto score = [](const SlamPose& p) {
-    const float dt = wrap(p.theta - -3.1f);
-    return static_cast<std::int32_t>(1e6f - 1e5f * ((p.x - 0.1f) * (p.x - 0.1f) + p.y * p.y + dt * dt));
-  };
+/// To the end; how many scores it asked for.
+template <class Score>
+int finish(HillClimb& climb, const Score& score) {
   int asked = 0;
   while (!climb.done()) {
     std::int32_t s[HillClimb::kMoves];
     for (int k = 0; k < climb.wanted(); ++k) s[k] = score(climb.candidate(k)), ++asked;
     climb.take(s);
   }
+  return asked;
+}
+
+TEST(HillClimb, FindsTheTopOfASmoothHill) {
+  HillClimb climb;
+  climb.begin({0.3f, -0.2f, 3.1f}, {0.05f, 0.05f, 5}, 100);
+  const int asked = finish(climb, [](const SlamPose& p) {
+    const float dt = wrap(p.theta - -3.1f);
+    return static_cast<std::int32_t>(1e6f - 1e5f * ((p.x - 0.1f) * (p.x - 0.1f) + p.y * p.y + dt * dt));
+  });
   EXPECT_NEAR(climb.pose().x, 0.1f, 0.004f);
   EXPECT_NEAR(climb.pose().y, 0.0f, 0.004f);
   EXPECT_NEAR(wrap(climb.pose().theta + 3.1f), 0.0f, 0.004f);  // across half a turn
@@ -213,15 +212,10 @@ TEST(HillClimb, IsHeldBackByTheSquareOfTheDistance) {
   HillClimb climb;
   climb.begin({0, 0, 0}, {0.05f, 0.05f, 7, 2.0f}, kBeams);
   // Rises by 0.4 per beam and metre along x: against 2 d^2, the top is at 0.1 m.
-  const auto score = [](const SlamPose& p) {
+  finish(climb, [](const SlamPose& p) {
     return static_cast<std::int32_t>(kScoreUnits * kBeams *
                                      (0.5f + 0.4f * p.x - p.y * p.y - p.theta * p.theta));
-  };
-  while (!climb.done()) {
-    std::int32_t s[HillClimb::kMoves];
-    for (int k = 0; k < climb.wanted(); ++k) s[k] = score(climb.candidate(k));
-    climb.take(s);
-  }
+  });
   EXPECT_NEAR(climb.pose().x, 0.1f, 0.001f);
   EXPECT_NEAR(climb.pose().y, 0.0f, 0.001f);
   EXPECT_NEAR(climb.score(), kScoreUnits * kBeams * 0.52f, kScoreUnits);
@@ -239,8 +233,7 @@ TEST(HillClimb, StaysWhereNothingIsBetter) {
   EXPECT_EQ(climb.pose().x, 1.0f);
 }
 
-// ---- The Gaussian proposal
-// ---------------------------------------------------------------------------------
+// ---- The Gaussian proposal --------------------------------------------------------------------------------
 
 // The worked example of SPEC 9.3.
 TEST(GaussianProposal, MatchesTheWorkedExample) {
@@ -292,8 +285,7 @@ TEST(GaussianProposal, EtaTimesTheVolumeIsThePredictiveLikelihood) {
   EXPECT_NEAR(m.covariance(0, 0), 1.0 / (1.0 / 0.0025 + 1.0 / 0.0036), 5e-5);
 }
 
-// ---- The paths of particles
-// ---------------------------------------------------------------------------------
+// ---- The paths of particles -------------------------------------------------------------------------------
 
 TEST(PathTree, EveryParticleKeepsItsPath) {
   PathTree tree(3);

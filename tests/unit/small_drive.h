@@ -2,8 +2,6 @@
 #pragma once
 
 #include <cmath>
-#include <string>
-#include <vector>
 
 #include "common/io/log.h"
 #include "common/io/trajectory.h"

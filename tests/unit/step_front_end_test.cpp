@@ -5,11 +5,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
-#include <functional>
 #include <limits>
-#include <optional>
-#include <string>
-#include <vector>
 
 #include "common/filter/particle_filter.h"
 #include "common/flow/flow_filter.h"

@@ -3,7 +3,6 @@
 
 #include <gtest/gtest.h>
 
-#include <cstddef>
 #include <limits>
 
 #include "common/model/beams.h"
@@ -27,12 +26,11 @@ inline Taken take(const Scan& scan, const ScanConfig& config = {}, const LidarCo
 }
 
 inline Scan fan(std::size_t beams, double angle_min_rad = -2.0, double angle_step_rad = 0.01) {
-  Scan s;
-  s.stamp_s = 100.0;
-  s.T_base_sensor = {0.2, -0.1, 0.3};
-  s.angle_min_rad = angle_min_rad;
-  s.angle_step_rad = angle_step_rad;
-  s.range_max_m = 10.0;
+  Scan s{.stamp_s = 100.0,
+         .T_base_sensor = {0.2, -0.1, 0.3},
+         .angle_min_rad = angle_min_rad,
+         .angle_step_rad = angle_step_rad,
+         .range_max_m = 10.0};
   for (std::size_t i = 0; i < beams; ++i) s.ranges_m.push_back(1.0f + 0.01f * static_cast<float>(i));
   return s;
 }

@@ -6,33 +6,21 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <fstream>
-#include <iterator>
 #include <random>
 #include <set>
-#include <string>
 #include <utility>
-#include <vector>
 
-#include "common/error.h"
 #include "common/map/map_reader.h"
 #include "common/map/segment_map.h"
 #include "common/map/simplify.h"
+#include "tests/unit/expect.h"
+#include "tests/unit/map_t1.h"
 #include "tests/unit/temp_file.h"
 
 namespace parloc {
 namespace {
 
-using test::TempFile;
-
-/// The small map of the worked examples: a wall around the rim and two blocks inside.
-GridMap map_t1() {
-  std::vector<std::string> rows(8, "#........#");
-  rows.front() = rows.back() = "##########";
-  rows[8 - 1 - 4][6] = '#';
-  rows[8 - 1 - 2][3] = '#';
-  return grid_from_text(rows, 0.5, {-1.0, -2.0, 0.0});
-}
+using test::map_t1, test::TempFile;
 
 GridMap random_grid(std::mt19937& random, int width, int height, double density) {
   std::vector<std::string> rows(static_cast<std::size_t>(height),
@@ -229,24 +217,18 @@ std::multiset<std::array<float, 4>> exactly(const std::vector<GridWall>& walls) 
   return all;
 }
 
-std::string content(const std::string& path) {
-  std::ifstream file(path, std::ios::binary);
-  return {std::istreambuf_iterator<char>(file), std::istreambuf_iterator<char>()};
-}
-
 void expect_round_trip(const GridMap& map) {
   for (const char* ending : {"walls.yaml", "walls.geojson"}) {
     const TempFile file(ending);
     write_segment_map(file.path(), map);
     const GridMap back = read_map(file.path());
     EXPECT_EQ(exactly(back.walls), exactly(map.walls)) << ending;
-    EXPECT_EQ(back.T_map_grid.x_m, map.T_map_grid.x_m);
-    EXPECT_EQ(back.T_map_grid.y_m, map.T_map_grid.y_m);
+    expect_equal(back.T_map_grid, map.T_map_grid);
     EXPECT_EQ(back.resolution_m, map.resolution_m);
     EXPECT_EQ(back.cells, map.cells);
     const TempFile again(ending);
     write_segment_map(again.path(), back);
-    EXPECT_EQ(content(again.path()), content(file.path()));
+    EXPECT_EQ(test::content_of(again.path()), test::content_of(file.path()));
   }
 }
 
@@ -317,12 +299,7 @@ TEST(SegmentFiles, NamesSurviveWhateverTheyAre) {
 }
 
 TEST(SegmentFiles, AMapWithoutWallsIsNotWritten) {
-  try {
-    segment_yaml_of(map_t1());
-    FAIL();
-  } catch (const Error& e) {
-    EXPECT_EQ(e.kind(), ErrorKind::output);
-  }
+  error_of([] { segment_yaml_of(map_t1()); }, ErrorKind::output);
 }
 
 }  // namespace

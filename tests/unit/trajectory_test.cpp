@@ -1,13 +1,11 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
-#include <filesystem>
-#include <fstream>
-#include <iterator>
 #include <sstream>
+#include <utility>
 
-#include "common/error.h"
 #include "common/io/trajectory.h"
+#include "tests/unit/expect.h"
 #include "tests/unit/real_data.h"
 #include "tests/unit/temp_file.h"
 
@@ -16,27 +14,15 @@ namespace {
 
 using test::TempFile;
 
-std::string error_of(const std::string& text) {
-  try {
-    tum_from_text(text, "t.tum");
-  } catch (const Error& error) {
-    EXPECT_EQ(error.kind(), ErrorKind::input);
-    return error.what();
-  }
-  return "no error";
-}
-
 TEST(Tum, ReadsRowsInFileOrder) {
   const Trajectory t = tum_from_text(
-      "# timestamp x y z qx qy qz qw\n\n 976052857.337530 1.5 -2.5 0 0 0 0.7071067811865476 "
-      "0.7071067811865476\r\n"
+      "# timestamp x y z qx qy qz qw\n\n"
+      " 976052857.337530 1.5 -2.5 0 0 0 0.7071067811865476 0.7071067811865476\r\n"
       "976052856.5\t3 4 9 0 0 0 1",
       "t.tum");
   ASSERT_EQ(t.size(), 2u);
   EXPECT_EQ(t[0].stamp_s, 976052857.337530);
-  EXPECT_EQ(t[0].pose.x_m, 1.5);
-  EXPECT_EQ(t[0].pose.y_m, -2.5);
-  EXPECT_NEAR(t[0].pose.theta_rad, M_PI / 2, 1e-15);
+  expect_near(t[0].pose, {1.5, -2.5, M_PI / 2}, 0.0, 1e-15);
   EXPECT_EQ(t[1].stamp_s, 976052856.5) << "a stamp that runs backwards stays where it is";
 }
 
@@ -48,30 +34,29 @@ TEST(Tum, HeadingIsTheYawOfAnyQuaternion) {
   row.precision(17);
   row << "1 0 0 0 " << sr * cp * cy - cr * sp * sy << ' ' << cr * sp * cy + sr * cp * sy << ' '
       << cr * cp * sy - sr * sp * cy << ' ' << cr * cp * cy + sr * sp * sy;
-  EXPECT_NEAR(tum_from_text(row.str(), "t.tum")[0].pose.theta_rad, 2.5, 1e-14);
+  const auto yaw_of = [](const std::string& text) { return tum_from_text(text, "t.tum")[0].pose.theta_rad; };
+  EXPECT_NEAR(yaw_of(row.str()), 2.5, 1e-14);
   // The same rotation with the other sign, and one that is not quite of unit length.
-  EXPECT_NEAR(tum_from_text("1 0 0 0 0 0 -0.6 0.8", "t.tum")[0].pose.theta_rad, -2 * std::atan2(0.6, 0.8),
-              1e-15);
-  EXPECT_NEAR(tum_from_text("1 0 0 0 0 0 0.6 -0.8", "t.tum")[0].pose.theta_rad, -2 * std::atan2(0.6, 0.8),
-              1e-15);
-  EXPECT_NEAR(tum_from_text("1 0 0 0 0 0 0.603 0.804", "t.tum")[0].pose.theta_rad, 2 * std::atan2(0.6, 0.8),
-              1e-15);
+  const double yaw_rad = 2 * std::atan2(0.6, 0.8);
+  EXPECT_NEAR(yaw_of("1 0 0 0 0 0 -0.6 0.8"), -yaw_rad, 1e-15);
+  EXPECT_NEAR(yaw_of("1 0 0 0 0 0 0.6 -0.8"), -yaw_rad, 1e-15);
+  EXPECT_NEAR(yaw_of("1 0 0 0 0 0 0.603 0.804"), yaw_rad, 1e-15);
 }
 
 TEST(Tum, ErrorsNameFileLineAndWhatWasExpected) {
-  EXPECT_EQ(error_of("# c\n1 2 3 0 0 0 0\n"),
-            "t.tum:2: expected a unit quaternion, found the end of the line");
-  EXPECT_EQ(error_of("1 2 3 0 0 0 0 1 9\n"),
-            "t.tum:1: expected 8 numbers: timestamp x y z qx qy qz qw, found '9'");
-  EXPECT_EQ(error_of("1 2 x 0 0 0 0 1\n"), "t.tum:1: expected a finite position, found 'x'");
-  EXPECT_EQ(error_of("1 2 nan 0 0 0 0 1\n"), "t.tum:1: expected a finite position, found 'nan'");
-  EXPECT_EQ(error_of("1 2 3 0 0 0 0 0\n"), "t.tum:1: expected a unit quaternion, found one of length 0");
-  EXPECT_EQ(error_of("1 2 3 0 0 0 0.5 0.5\n"),
-            "t.tum:1: expected a unit quaternion, found one of length 0.7071");
-  EXPECT_EQ(error_of("# nothing\n"), "t.tum: expected a pose, found none");
-  EXPECT_EQ(error_of(""), "t.tum: expected a pose, found none");
-  EXPECT_EQ(error_of(std::string(2 << 20, '1')),
-            "t.tum:1: expected 8 numbers, found a line of more than a mebibyte");
+  const std::pair<std::string, const char*> cases[] = {
+      {"# c\n1 2 3 0 0 0 0\n", "t.tum:2: expected a unit quaternion, found the end of the line"},
+      {"1 2 3 0 0 0 0 1 9\n", "t.tum:1: expected 8 numbers: timestamp x y z qx qy qz qw, found '9'"},
+      {"1 2 x 0 0 0 0 1\n", "t.tum:1: expected a finite position, found 'x'"},
+      {"1 2 nan 0 0 0 0 1\n", "t.tum:1: expected a finite position, found 'nan'"},
+      {"1 2 3 0 0 0 0 0\n", "t.tum:1: expected a unit quaternion, found one of length 0"},
+      {"1 2 3 0 0 0 0.5 0.5\n", "t.tum:1: expected a unit quaternion, found one of length 0.7071"},
+      {"# nothing\n", "t.tum: expected a pose, found none"},
+      {"", "t.tum: expected a pose, found none"},
+      {std::string(2 << 20, '1'), "t.tum:1: expected 8 numbers, found a line of more than a mebibyte"},
+  };
+  for (const auto& [text, message] : cases)
+    EXPECT_EQ(error_of([&t = text] { tum_from_text(t, "t.tum"); }), message);
   EXPECT_THROW(read_tum("no/such.tum"), Error);
 }
 
@@ -85,10 +70,8 @@ TEST(Tum, RoundTrip) {
   const Trajectory back = read_tum(file.path());
   ASSERT_EQ(back.size(), t.size());
   for (std::size_t i = 0; i < t.size(); ++i) {
-    EXPECT_NEAR(back[i].stamp_s, t[i].stamp_s, 6e-7);  // 6 decimals, and a double's own 1e-7 there
-    EXPECT_NEAR(back[i].pose.x_m, t[i].pose.x_m, 5.1e-7);
-    EXPECT_NEAR(back[i].pose.y_m, t[i].pose.y_m, 5.1e-7);
-    EXPECT_NEAR(back[i].pose.theta_rad, t[i].pose.theta_rad, 2e-9);  // 9 decimals of half an angle
+    EXPECT_NEAR(back[i].stamp_s, t[i].stamp_s, 6e-7);    // 6 decimals, and a double's own 1e-7 there
+    expect_near(back[i].pose, t[i].pose, 5.1e-7, 2e-9);  // 9 decimals of half an angle
   }
   std::ifstream stream(file.path());
   std::string header, row;
@@ -102,16 +85,8 @@ TEST(Tum, WriteFailureLeavesNothingBehind) {
   std::filesystem::remove(folder.path());
   std::filesystem::create_directories(folder.path() + "/taken");
   const Trajectory t{{1.0, {}}};
-  const auto kind_of = [&](const std::string& path) {
-    try {
-      write_tum(path, t);
-    } catch (const Error& error) {
-      return error.kind();
-    }
-    return ErrorKind::internal;
-  };
-  EXPECT_EQ(kind_of(folder.path() + "/missing/track.tum"), ErrorKind::output);
-  EXPECT_EQ(kind_of(folder.path() + "/taken"), ErrorKind::output) << "a folder has that name";
+  for (const char* path : {"/missing/track.tum", "/taken"})  // a folder has the name of the second
+    error_of([&] { write_tum(folder.path() + path, t); }, ErrorKind::output);
   EXPECT_EQ(std::distance(std::filesystem::directory_iterator(folder.path()), {}), 1)
       << "no temporary file stays";
   std::filesystem::remove_all(folder.path());

@@ -1,7 +1,6 @@
 // Judging a trial and putting many together, on samples made by hand; a trial run on a small drive.
 #include <gtest/gtest.h>
 
-#include <cmath>
 #include <limits>
 
 #include "common/error.h"
@@ -40,15 +39,23 @@ class Samples {
     }
     return *this;
   }
-  std::vector<TrialSample>& list() { return samples_; }
+  Samples& without_covariance(std::size_t k) {
+    samples_[k].nees = kNan;
+    return *this;
+  }
+  const std::vector<TrialSample>& list() const { return samples_; }
 
  private:
   std::vector<TrialSample> samples_;
 };
 
+/// Of a kidnapping after 3 s; else from the first sample on.
+TrialOutcome judged(TrialTask task, const Samples& samples) {
+  return judge_trial(plan_of(task), samples.list(), task == TrialTask::kidnap ? 103.0 : 100.0);
+}
+
 TEST(JudgeTrial, RightAllTheTime) {
-  const TrialOutcome o =
-      judge_trial(plan_of(TrialTask::global), Samples().add(5, 0.1, kTracking).list(), 100.0);
+  const TrialOutcome o = judged(TrialTask::global, Samples().add(5, 0.1, kTracking));
   ASSERT_TRUE(o.localized_after_s);
   EXPECT_EQ(*o.localized_after_s, 0.0);
   EXPECT_EQ(o.right, 50u);
@@ -64,8 +71,7 @@ TEST(JudgeTrial, RightAllTheTime) {
 
 TEST(JudgeTrial, WrongAndSureOfIt) {
   const TrialOutcome o =
-      judge_trial(plan_of(TrialTask::global),
-                  Samples().add(1, 4.0, kAmbiguous).add(2, 4.0, kTracking).add(1, 4.0, kLost).list(), 100.0);
+      judged(TrialTask::global, Samples().add(1, 4.0, kAmbiguous).add(2, 4.0, kTracking).add(1, 4.0, kLost));
   EXPECT_FALSE(o.localized_after_s);
   EXPECT_EQ(o.right, 0u);
   EXPECT_EQ(o.confident_wrong, 20u);
@@ -92,9 +98,8 @@ TEST(JudgeTrial, AHeadingThatIsOffOrNoNumberAtAllIsWrong) {
 // Right for 1 s by chance, wrong, then right for good: only the last counts, and what was before is no error
 // of tracking.
 TEST(JudgeTrial, MustHold) {
-  const TrialOutcome o = judge_trial(
-      plan_of(TrialTask::global),
-      Samples().add(1, 0.1, kAmbiguous).add(1, 5.0, kAmbiguous).add(3, 0.2, kTracking).list(), 100.0);
+  const TrialOutcome o = judged(
+      TrialTask::global, Samples().add(1, 0.1, kAmbiguous).add(1, 5.0, kAmbiguous).add(3, 0.2, kTracking));
   ASSERT_TRUE(o.localized_after_s);
   EXPECT_NEAR(*o.localized_after_s, 2.0, 1e-9);
   EXPECT_EQ(o.since_localized, 30u);
@@ -102,8 +107,7 @@ TEST(JudgeTrial, MustHold) {
 }
 
 TEST(JudgeTrial, WrongAgainAfterItHeld) {
-  const TrialOutcome o = judge_trial(plan_of(TrialTask::global),
-                                     Samples().add(3, 0.1, kTracking).add(1, 5.0, kLost).list(), 100.0);
+  const TrialOutcome o = judged(TrialTask::global, Samples().add(3, 0.1, kTracking).add(1, 5.0, kLost));
   EXPECT_EQ(*o.localized_after_s, 0.0);
   EXPECT_EQ(o.wrong_since, 10u);
   EXPECT_EQ(o.since_localized, 40u);
@@ -111,33 +115,28 @@ TEST(JudgeTrial, WrongAgainAfterItHeld) {
 
 TEST(JudgeTrial, FlickerToLostIsCountedByTurns) {
   Samples s;
-  s.add(1, 0.1, kTracking)
-      .add(0.3, 0.1, kLost)
-      .add(1, 0.1, kTracking)
-      .add(0.1, 0.1, kLost)
-      .add(1, 0.1, kTracking);
-  EXPECT_EQ(judge_trial(plan_of(TrialTask::track), s.list(), 100.0).false_lost, 2u);
+  s.add(1, 0.1, kTracking);
+  for (const double lost_s : {0.3, 0.1}) s.add(lost_s, 0.1, kLost).add(1, 0.1, kTracking);
+  EXPECT_EQ(judged(TrialTask::track, s).false_lost, 2u);
 }
 
 // Before the first scan of a global start nobody can know; told the start, it can.
 TEST(JudgeTrial, LostAtTheVeryFirstIsFalseOnlyIfTheStartWasGiven) {
-  Samples s;
-  s.add(0.1, 0.1, kLost).add(1, 0.1, kTracking);
-  EXPECT_EQ(judge_trial(plan_of(TrialTask::global), s.list(), 100.0).false_lost, 0u);
-  EXPECT_EQ(judge_trial(plan_of(TrialTask::track), s.list(), 100.0).false_lost, 1u);
+  const Samples s = Samples().add(0.1, 0.1, kLost).add(1, 0.1, kTracking);
+  EXPECT_EQ(judged(TrialTask::global, s).false_lost, 0u);
+  EXPECT_EQ(judged(TrialTask::track, s).false_lost, 1u);
 }
 
 TEST(JudgeTrial, LostWhileWrongIsNotFalse) {
   Samples s;
   s.add(1, 0.1, kTracking).add(1, 3.0, kLost).add(1, 0.1, kLost).add(1, 0.1, kTracking);
-  EXPECT_EQ(judge_trial(plan_of(TrialTask::track), s.list(), 100.0).false_lost, 0u);
+  EXPECT_EQ(judged(TrialTask::track, s).false_lost, 0u);
 }
 
 TEST(JudgeTrial, AKidnappingHasAGraceAndIsNoticed) {
-  const TrialPlan plan = plan_of(TrialTask::kidnap);  // 2 s of grace
   Samples s;
   s.add(3, 0.1, kTracking).add(1.5, 8.0, kTracking).add(1, 8.0, kLost).add(3, 0.1, kTracking);
-  const TrialOutcome o = judge_trial(plan, s.list(), 103.0);
+  const TrialOutcome o = judged(TrialTask::kidnap, s);  // with 2 s of grace
   EXPECT_TRUE(o.tracked_before);
   EXPECT_EQ(o.confident_wrong, 0u);
   EXPECT_NEAR(o.missed_lost_s, 1.5, 1e-9);
@@ -145,13 +144,12 @@ TEST(JudgeTrial, AKidnappingHasAGraceAndIsNoticed) {
   EXPECT_NEAR(*o.noticed_after_s, 1.5, 1e-9);
   EXPECT_NEAR(*o.localized_after_s, 2.5, 1e-9);  // since the kidnapping
   // The same without a kidnapping is wrong and sure.
-  EXPECT_EQ(judge_trial(plan_of(TrialTask::track), s.list(), 100.0).confident_wrong, 15u);
+  EXPECT_EQ(judged(TrialTask::track, s).confident_wrong, 15u);
 }
 
 TEST(JudgeTrial, AfterTheGraceAKidnappedRobotMustKnow) {
-  Samples s;
-  s.add(3, 0.1, kTracking).add(3.5, 8.0, kTracking).add(1, 8.0, kLost);
-  const TrialOutcome o = judge_trial(plan_of(TrialTask::kidnap), s.list(), 103.0);
+  const TrialOutcome o =
+      judged(TrialTask::kidnap, Samples().add(3, 0.1, kTracking).add(3.5, 8.0, kTracking).add(1, 8.0, kLost));
   EXPECT_EQ(o.confident_wrong, 15u);
   EXPECT_NEAR(o.confident_wrong_s, 1.4, 1e-9);
   EXPECT_NEAR(*o.noticed_after_s, 3.5, 1e-9);
@@ -159,16 +157,12 @@ TEST(JudgeTrial, AfterTheGraceAKidnappedRobotMustKnow) {
 }
 
 TEST(JudgeTrial, WhoIsLostAlreadyHasNothingToNotice) {
-  Samples s;
-  s.add(2, 0.1, kTracking).add(1, 0.1, kAmbiguous).add(3, 8.0, kLost);
-  EXPECT_FALSE(judge_trial(plan_of(TrialTask::kidnap), s.list(), 103.0).tracked_before);
+  const Samples s = Samples().add(2, 0.1, kTracking).add(1, 0.1, kAmbiguous).add(3, 8.0, kLost);
+  EXPECT_FALSE(judged(TrialTask::kidnap, s).tracked_before);
 }
 
 TEST(JudgeTrial, ACovarianceThatIsNoneDoesNotSpoilTheRest) {
-  Samples s;
-  s.add(3, 0.1, kTracking);
-  s.list()[4].nees = kNan;
-  const TrialOutcome o = judge_trial(plan_of(TrialTask::track), s.list(), 100.0);
+  const TrialOutcome o = judged(TrialTask::track, Samples().add(3, 0.1, kTracking).without_covariance(4));
   EXPECT_EQ(o.nees_count, 29u);
   EXPECT_NEAR(o.nees_sum, 87.0, 1e-9);
 }
@@ -195,23 +189,20 @@ TEST(MeanInterval, OfKnownValues) {
   EXPECT_TRUE(std::isnan(mean_interval({3.0}).low));
 }
 
-TrialResult result_of(const TrialPlan& plan, std::uint64_t seed, Samples& samples, double since_s = 100.0) {
+TrialResult result_of(TrialTask task, std::uint64_t seed, const Samples& samples) {
   TrialResult r;
   r.seed = seed;
   r.samples = samples.list();
-  r.outcome = judge_trial(plan, r.samples, since_s);
+  r.outcome = judged(task, samples);
   return r;
 }
 
 TEST(Summarise, CountsTrials) {
-  const TrialPlan plan = plan_of(TrialTask::global);
-  Samples good, late, wrong;
-  good.add(10, 0.1, kTracking, 0.9);
-  late.add(5, 3.0, kLost, 0.1).add(5, 0.3, kTracking, 0.9);
-  wrong.add(10, 3.0, kTracking, 0.8);
-  const std::vector<TrialResult> trials{result_of(plan, 1, good), result_of(plan, 2, late),
-                                        result_of(plan, 3, wrong)};
-  const TrialSummary s = summarise(plan, 3.0, trials);
+  const std::vector<TrialResult> trials{
+      result_of(TrialTask::global, 1, Samples().add(10, 0.1, kTracking, 0.9)),
+      result_of(TrialTask::global, 2, Samples().add(5, 3.0, kLost, 0.1).add(5, 0.3, kTracking, 0.9)),
+      result_of(TrialTask::global, 3, Samples().add(10, 3.0, kTracking, 0.8))};
+  const TrialSummary s = summarise(plan_of(TrialTask::global), 3.0, trials);
   EXPECT_EQ(s.trials, 3u);
   EXPECT_EQ(s.success.hits, 1u);
   EXPECT_EQ(s.localized.hits, 2u);
@@ -234,20 +225,20 @@ TEST(Summarise, CountsTrials) {
 }
 
 TEST(Summarise, FalseLostPerHourOfDrivingWhileRight) {
-  const TrialPlan plan = plan_of(TrialTask::track);
   Samples s;
   s.add(18, 0.1, kTracking).add(1, 0.1, kLost).add(17.1, 0.1, kTracking);  // 36 s
-  EXPECT_NEAR(summarise(plan, 3.0, {result_of(plan, 1, s)}).false_lost_per_hour, 100.0, 1e-6);
+  const TrialSummary t = summarise(plan_of(TrialTask::track), 3.0, {result_of(TrialTask::track, 1, s)});
+  EXPECT_NEAR(t.false_lost_per_hour, 100.0, 1e-6);
 }
 
 TEST(Summarise, OnlyAKidnappingIsNoticed) {
   Samples s;
   s.add(3, 0.1, kTracking).add(1, 8.0, kTracking).add(1, 8.0, kLost).add(3, 0.1, kTracking);
-  const TrialPlan kidnap = plan_of(TrialTask::kidnap), track = plan_of(TrialTask::track);
-  const TrialSummary k = summarise(kidnap, 5.0, {result_of(kidnap, 1, s, 103.0)});
+  const TrialSummary k = summarise(plan_of(TrialTask::kidnap), 5.0, {result_of(TrialTask::kidnap, 1, s)});
   EXPECT_EQ(k.noticed.hits, 1u);
   EXPECT_NEAR(k.notice_s.median, 1.0, 1e-9);
-  EXPECT_EQ(summarise(track, 3.0, {result_of(track, 1, s)}).notice_s.count, 0u);
+  const TrialSummary t = summarise(plan_of(TrialTask::track), 3.0, {result_of(TrialTask::track, 1, s)});
+  EXPECT_EQ(t.notice_s.count, 0u);
 }
 
 TEST(Summarise, OfNothingIsNoNumber) {
@@ -283,26 +274,26 @@ TEST(SimulateTrial, BoxesAreAsDenseAsInTheScenario) {
   EXPECT_LT(unmapped_share(1000.0), 0.1);
 }
 
-LocalizerConfig small_config() {
-  LocalizerConfig c;
-  c.backend = BackendChoice::cpu;
-  c.threads = 1;
-  c.particles = 500;
-  return c;
-}
-
-TrialLog small_log(const GridMap& room) {
-  const test::SmallDrive drive = test::small_drive(room, 40);
-  TrialLog log;
-  log.records = drive.scans;
-  log.truth = drive.truth;
-  return log;
-}
-
-TEST(RunTrial, LocalizesInASmallRoomWhateverItDidBefore) {
+class RunTrial : public testing::Test {
+ protected:
+  static LocalizerConfig config() {
+    LocalizerConfig c;
+    c.backend = BackendChoice::cpu;
+    c.threads = 1;
+    c.particles = 500;
+    return c;
+  }
+  RunTrial() {
+    const test::SmallDrive drive = test::small_drive(room, 40);
+    log.records = drive.scans;
+    log.truth = drive.truth;
+  }
   const GridMap room = test::small_room();
-  const TrialLog log = small_log(room);
-  Localizer localizer(small_config(), room);
+  TrialLog log;
+  Localizer localizer{config(), room};
+};
+
+TEST_F(RunTrial, LocalizesInASmallRoomWhateverItDidBefore) {
   const TrialPlan plan = plan_of(TrialTask::global);
   const auto first = run_trial(localizer, plan, log, 5);
   ASSERT_TRUE(first);
@@ -322,10 +313,7 @@ TEST(RunTrial, LocalizesInASmallRoomWhateverItDidBefore) {
   }
 }
 
-TEST(RunTrial, ComparesOnlyWhereThereIsATruth) {
-  const GridMap room = test::small_room();
-  TrialLog log = small_log(room);
-  Localizer localizer(small_config(), room);
+TEST_F(RunTrial, ComparesOnlyWhereThereIsATruth) {
   log.truth.erase(log.truth.begin(), log.truth.begin() + 10);
   const auto result = run_trial(localizer, plan_of(TrialTask::global), log, 1);
   ASSERT_TRUE(result);
@@ -338,11 +326,9 @@ TEST(RunTrial, ComparesOnlyWhereThereIsATruth) {
   EXPECT_THROW(run_trial(localizer, plan_of(TrialTask::global), log, 1), Error);
 }
 
-TEST(RunTrial, StopsWhenAsked) {
-  const GridMap room = test::small_room();
-  Localizer localizer(small_config(), room);
+TEST_F(RunTrial, StopsWhenAsked) {
   int scans = 0;
-  EXPECT_FALSE(run_trial(localizer, plan_of(TrialTask::track), small_log(room), 1, [&](double fraction) {
+  EXPECT_FALSE(run_trial(localizer, plan_of(TrialTask::track), log, 1, [&](double fraction) {
     EXPECT_NEAR(fraction, ++scans / 40.0, 1e-12);
     return scans < 3;
   }));

@@ -4,7 +4,6 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
-#include <cmath>
 #include <cstdio>
 #include <cstdlib>
 #include <random>
@@ -44,10 +43,11 @@ GridMap random_walls(std::size_t count, std::int32_t side) {
 
 /// 200 beams all around, of 30 m.
 BeamTable all_around() {
-  Scan scan;
-  scan.angle_min_rad = -3.14159, scan.angle_step_rad = 3.14159 / 100;
-  scan.range_min_m = 0.01, scan.range_max_m = 30.0;
-  scan.ranges_m.assign(200, 5.0f);
+  const Scan scan{.angle_min_rad = -3.14159,
+                  .angle_step_rad = 3.14159 / 100,
+                  .range_min_m = 0.01,
+                  .range_max_m = 30.0,
+                  .ranges_m = std::vector<float>(200, 5.0f)};
   BeamTable beams;
   BeamCounts counts;
   select_beams(scan, ScanConfig{.max_beams = 200}, default_sensor(SensorModel::gaussian), 0.1, beams, counts);
@@ -55,9 +55,7 @@ BeamTable all_around() {
 }
 
 std::vector<float> ranges(const GridMap& map, RayCaster caster, std::int64_t particles) {
-  FilterBackendConfig c;
-  c.particles = particles;
-  c.sensor = default_sensor(SensorModel::gaussian);
+  FilterBackendConfig c{.particles = particles, .sensor = default_sensor(SensorModel::gaussian)};
   c.sensor.caster = caster;
   const auto backend = make_cpu_filter_backend(c);
   backend->set_map(map);

@@ -2,8 +2,6 @@
 #include "common/simulator/wheel_odometry.h"
 
 #include <array>
-#include <cmath>
-#include <vector>
 
 #include "common/math/portable64.h"
 #include "tests/unit/simulated.h"
@@ -47,8 +45,7 @@ TEST(WheelOdometry, ArcsTakeTheRobotWhereItGoes) {
   EXPECT_NEAR(wrap64(to.theta_rad - from.theta_rad), 0.5, 1e-12);
   EXPECT_LT(to.theta_rad, 0.0);  // wrapped
   const Pose back = rolled(to, wheel_arcs(-0.3, -0.5, kWheelBase_m), kWheelBase_m);
-  EXPECT_NEAR(back.x_m, from.x_m, 1e-12);
-  EXPECT_NEAR(back.y_m, from.y_m, 1e-12);
+  expect_near(back, from, 1e-12, 1e-12);
   EXPECT_LT(along_heading({0, 0, 0}, {-0.1, 0, 0}), 0.0);  // backwards
 }
 

@@ -2,7 +2,6 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
-#include <vector>
 
 #include "common/error.h"
 #include "common/filter/bind.h"
@@ -10,15 +9,13 @@
 #include "common/slam/slam_backend.h"
 #include "cpu/draft_maps.h"
 #include "tests/stage/room_of_blocks.h"
+#include "tests/unit/expect.h"
 
 namespace parloc {
 namespace {
 
 Scan scan_from(const GridMap& map, const Pose& pose) {
-  Scan s;
-  s.angle_min_rad = -3.0;
-  s.angle_step_rad = 6.0 / 120.0;
-  s.range_max_m = 6.0;
+  Scan s{.angle_min_rad = -3.0, .angle_step_rad = 6.0 / 120.0, .range_max_m = 6.0};
   for (std::size_t i = 0; i < 120; ++i) {
     const double angle = pose.theta_rad + s.angle_min_rad + static_cast<double>(i) * s.angle_step_rad;
     s.ranges_m.push_back(static_cast<float>(cast_simulated_ray(map, pose.x_m, pose.y_m, angle, 6.0).range_m));
@@ -84,9 +81,10 @@ TEST_F(WideSearchIn, FindsWhatAllPosesOneByOneGive) {
   for (int n = 0; n < 6; ++n) {
     const Beams scan = beams({1.0 + 0.05 * n, 1.6, 0.2});
     const SlamPose start = slam({1.0 + 0.05 * n + 0.3 - 0.1 * n, 1.6 - 0.25, 0.2 + 0.12});
-    const auto score = [&](const SlamPose& p) {
-      return sum_beams(map, scan, match_pose(p, rules_.match), rules_.match, Ask::score, 0, 1);
+    const auto sum_at = [&](const SlamPose& p, Ask ask) {
+      return sum_beams(map, scan, match_pose(p, rules_.match), rules_.match, ask, 0, 1);
     };
+    const auto score = [&](const SlamPose& p) { return sum_at(p, Ask::score); };
     WideSearch wide;
     wide.begin(start, search, scan.hits);
     std::vector<std::int32_t> bound(WideSearch::kMostBlocks);
@@ -94,8 +92,7 @@ TEST_F(WideSearchIn, FindsWhatAllPosesOneByOneGive) {
     while (!wide.done()) {
       std::int32_t sum[WideSearch::kBatch];
       for (int k = 0; k < wide.wanted(); ++k, ++asked)
-        sum[k] = sum_beams(map, scan, match_pose(wide.candidate(k, search), rules_.match), rules_.match,
-                           wide.asks_bounds() ? Ask::bound : Ask::score, 0, 1);
+        sum[k] = sum_at(wide.candidate(k, search), wide.asks_bounds() ? Ask::bound : Ask::score);
       wide.take(sum, bound.data(), search);
     }
     double best = 0.0;
@@ -126,9 +123,7 @@ TEST_F(WideSearchIn, FindsTheWayBackFromHalfAMetreAside) {
   const std::vector<ScanMatch> matches =
       matcher_->match({{0, &scan, start, rules_.climb, search}, {0, &scan, start, rules_.climb, {}}});
   const ScanMatch &found = matches[0], &climbed = matches[1];
-  EXPECT_NEAR(found.pose.x_m, goal.x_m, 0.03);
-  EXPECT_NEAR(found.pose.y_m, goal.y_m, 0.03);
-  EXPECT_NEAR(found.pose.theta_rad, goal.theta_rad, 0.02);
+  expect_near(found.pose, goal, 0.03, 0.02);
   EXPECT_GT(found.fit, 0.7);
   EXPECT_LT(climbed.fit, 0.6);
 }
@@ -153,8 +148,7 @@ TEST_F(WideSearchIn, StaysWhereNothingFits) {
   const SearchRules search = bind_search_rules(config_.resolution, 0.5, 0.3, 0.05);
   const ScanMatch found =
       fresh_matcher()->match({{0, &table({1.0, 1.5, 0.0}), {5.0, 6.0, 0.75}, rules_.climb, search}})[0];
-  EXPECT_EQ(found.pose.x_m, 5.0);
-  EXPECT_EQ(found.pose.theta_rad, 0.75);
+  expect_equal(found.pose, {5.0, 6.0, 0.75});
   EXPECT_EQ(found.fit, 0.0f);
 }
 

@@ -4,7 +4,6 @@
 #include <gtest/gtest.h>
 
 #include <cstdlib>
-#include <string_view>
 
 #include "common/error.h"
 
@@ -17,9 +16,14 @@ inline bool gpu_is_required() {
 
 }  // namespace parloc::test
 
-/// Where a test catches that no GPU answers: ends it as skipped, saying why; as failed if PARLOC_REQUIRE_GPU
-/// is 1, or if it was another error.
-#define PARLOC_WITHOUT_GPU(error)                                                      \
-  if ((error).kind() != parloc::ErrorKind::backend || parloc::test::gpu_is_required()) \
-    FAIL() << (error).what();                                                          \
-  GTEST_SKIP() << (error).what()
+/// In a test: does what needs a GPU. Where none answers, ends the test as skipped, saying why; as failed if
+/// PARLOC_REQUIRE_GPU is 1, or if it was another error.
+#define PARLOC_NEEDS_GPU(...)                                                          \
+  try {                                                                                \
+    __VA_ARGS__;                                                                       \
+  } catch (const parloc::Error& error) {                                               \
+    if (error.kind() != parloc::ErrorKind::backend || parloc::test::gpu_is_required()) \
+      FAIL() << error.what();                                                          \
+    GTEST_SKIP() << error.what();                                                      \
+  }                                                                                    \
+  static_assert(true, "so that a semicolon follows")

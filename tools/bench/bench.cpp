@@ -15,18 +15,14 @@
 #include "common/file/output_file.h"
 #include "common/filter/stages.h"
 #include "common/model/beams.h"
-#include "tools/bench/json.h"
-#include "tools/bench/pages.h"
+#include "tools/bench/forms.h"
+#include "tools/bench/plan.h"
 #include "tools/bench/published.h"
-#include "tools/bench/scale_run.h"
-#include "tools/bench/steps/maps_folder.h"
-#include "tools/bench/tables_run.h"
+#include "tools/bench/steps/scenes.h"
 #include "tools/program/commands.h"
-#include "tools/program/interrupt.h"
 #include "tools/program/output_folder.h"
 #include "tools/program/parse_number.h"
 #include "tools/program/progress.h"
-#include "tools/program/text_option.h"
 
 namespace parloc::tools {
 namespace {
@@ -65,9 +61,7 @@ template <std::size_t n>
 std::vector<std::size_t> choices(const char* option, const std::string& text,
                                  const std::array<const char*, n>& names) {
   std::vector<std::size_t> chosen;
-  for (std::size_t at = 0; at <= text.size();) {
-    const std::size_t end = std::min(text.find(',', at), text.size());
-    const std::string word = text.substr(at, end - at);
+  for (const std::string& word : split_at_commas(text)) {
     const auto found = std::find(names.begin(), names.end(), word);
     if (found == names.end()) {
       std::string all;
@@ -76,7 +70,6 @@ std::vector<std::size_t> choices(const char* option, const std::string& text,
     }
     const auto index = static_cast<std::size_t>(found - names.begin());
     if (std::find(chosen.begin(), chosen.end(), index) == chosen.end()) chosen.push_back(index);
-    at = end + 1;
   }
   return chosen;
 }
@@ -122,10 +115,10 @@ bench::TimingRules rules_of(const BenchOptions& o) {
 /// What --quick may take, so that the last row and the files are done within 20 s.
 constexpr std::chrono::seconds kQuickTime{13};
 
-void measure(const Plan& plan, const std::vector<bench::Scene>& scenes, bool quiet,
-             bench::Clock::time_point begun, Results& results) {
+void measure(const Plan& plan, const std::vector<bench::Scene>& scenes, bool quiet, Clock::time_point begun,
+             Results& results) {
   catch_interrupts();
-  Progress progress(Progress::style_here(quiet));
+  Progress progress(quiet);
   bench::Control control;
   control.stop = interrupted;
   control.progress = [&](double fraction, std::string_view what) { progress.update(fraction, what); };
@@ -138,7 +131,7 @@ constexpr const char* kMarkdown = "bench.md";
 constexpr const char* kHtml = "bench.html";
 
 int run(const BenchOptions& o, const std::string& typed) {
-  const bench::Clock::time_point begun = bench::Clock::now();
+  const Clock::time_point begun = Clock::now();
   // Everything that can be wrong is looked at before the long work.
   const Plan plan = plan_of(o);
   Results results;
@@ -181,11 +174,9 @@ int run(const BenchOptions& o, const std::string& typed) {
 
 }  // namespace
 
-Command add_bench_command(CLI::App& program, const std::string& typed) {
-  CLI::App* app = program.add_subcommand("bench", "Measure filter steps beside the published times");
-  const auto options = std::make_shared<BenchOptions>();
-  declare(*app, *options);
-  return {app, [options, typed] { return run(*options, typed); }};
+Command add_bench_command(CLI::App& program) {
+  return add_command<BenchOptions>(program, "bench", "Measure filter steps beside the published times",
+                                   declare, run);
 }
 
 }  // namespace parloc::tools

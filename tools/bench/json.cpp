@@ -1,18 +1,14 @@
-#include "tools/bench/json.h"
-
-#include <nlohmann/json.hpp>
+#include "tools/bench/forms.h"
 
 #include "common/config/config.h"
 #include "common/filter/filter_settings.h"
 #include "common/model/model_settings.h"
 #include "tools/bench/published.h"
 #include "tools/bench/steps/scenes.h"
-#include "tools/report/machine/machine_json.h"
+#include "tools/report/result_parts.h"
 
 namespace parloc::tools::bench {
 namespace {
-
-using Json = nlohmann::ordered_json;
 
 Json protocol_json(const Results& r) {
   return {{"inside_the_time",
@@ -51,14 +47,13 @@ Json variants_json(const Results& r) {
          {"algorithm", kAlgorithmNames[static_cast<std::size_t>(variant.algorithm)]},
          {"backend", cuda ? "cuda" : "cpu"},
          {"backend_name", text_or_null(r.backends[v])},
-         {"threads", cuda ? Json(nullptr) : Json(variant.threads)},
-         {"device", cuda ? Json(variant.device) : Json(nullptr)},
+         {"threads", json_if(!cuda, variant.threads)},
+         {"device", json_if(cuda, variant.device)},
          {"sensor_model", name_of(c.sensor.model, kSensorModels)},
          {"sigma_hit_m", c.sensor.sigma_hit},
          {"tempering", c.sensor.tempering},
          {"caster", name_of(c.sensor.caster, kRayCasters)},
-         {"fixed_step_cells",
-          c.sensor.caster == RayCaster::fixed_step ? Json(c.sensor.fixed_step_cells) : Json(nullptr)},
+         {"fixed_step_cells", json_if(c.sensor.caster == RayCaster::fixed_step, c.sensor.fixed_step_cells)},
          {"resampling", name_of(c.resample.scheme, kResampleSchemes)},
          {"resample_threshold", c.resample.threshold}});
   }
@@ -119,10 +114,10 @@ Json largest_json(const Results& r, const Largest& l) {
           {"beams", l.beams},
           {"budget_s", l.budget_s},
           {"particles", l.particles},
-          {"too_many", l.too_many > 0 ? Json(l.too_many) : Json(nullptr)},
+          {"too_many", json_if(l.too_many > 0, l.too_many)},
           {"limit", text_or_null(l.limit)},
-          {"median_s", any ? Json(l.median_s) : Json(nullptr)},
-          {"p99_s", any ? Json(l.p99_s) : Json(nullptr)}};
+          {"median_s", json_if(any, l.median_s)},
+          {"p99_s", json_if(any, l.p99_s)}};
 }
 
 }  // namespace

@@ -1,10 +1,13 @@
-// What the user wants to be measured.
+// What the user wants to be measured, and the two ways of measuring it.
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <string>
 #include <vector>
 
+#include "tools/bench/results.h"
+#include "tools/bench/steps/measure.h"
 #include "tools/bench/steps/scenes.h"
 #include "tools/bench/steps/variants.h"
 
@@ -20,11 +23,23 @@ struct Plan {
   bool quick = false;
 };
 
-/// Those of `values` that are not above `most`.
-template <class Value>
-std::vector<Value> at_most(std::vector<Value> values, Value most) {
-  std::erase_if(values, [&](const Value& value) { return value > most; });
-  return values;
-}
+/// The variants of one size are measured one right after the other, since their ratios are what counts. Adds
+/// to `results`; on an interruption what is finished stays.
+void measure_tables(const Plan& plan, const std::vector<Scene>& scenes, const Control& control,
+                    Results& results);
+
+/// 1024 to 16,777,216 by factors of 4; fewer with --quick.
+std::vector<std::int64_t> scale_particles(const Plan& plan);
+/// 50 to 1080.
+std::vector<int> scale_beams(const Plan& plan);
+/// 1 to `all`: every number up to 4, then steps of about 1.4.
+std::vector<int> scale_threads(int all, bool quick);
+
+inline constexpr std::array<double, 3> kScaleBudgets_s{0.040, 0.010, 0.001};
+
+/// Adds to `results`; on an interruption what is finished stays. What does not fit in memory is skipped, and
+/// noted.
+void measure_scale(const Plan& plan, const std::vector<Scene>& scenes, const Control& control,
+                   Results& results);
 
 }  // namespace parloc::tools::bench

@@ -1,13 +1,13 @@
-#include "tools/bench/plots.h"
+#include "tools/bench/forms.h"
 
 #include <fmt/format.h>
 
 #include <algorithm>
 #include <array>
 
+#include "tools/bench/plan.h"
 #include "tools/bench/published.h"
-#include "tools/bench/scale_run.h"
-#include "tools/report/plots/svg_plot.h"
+#include "tools/report/plots/plot.h"
 #include "tools/report/text/numbers.h"
 
 namespace parloc::tools::bench {

@@ -6,7 +6,7 @@
 #include <string>
 
 #include "tools/bench/results.h"
-#include "tools/bench/steps/control.h"
+#include "tools/bench/steps/measure.h"
 #include "tools/bench/steps/rig.h"
 #include "tools/bench/steps/scenes.h"
 

@@ -24,7 +24,6 @@ set(PARLOC_PUBLIC_HEADERS
   localize/localizer_config.h
   localize/modes.h
   map/grid_map.h
-  map/grid_wall.h
   map/map_reader.h
   map/segment_map.h
   math/pose.h

@@ -3,7 +3,6 @@
 
 #include <CLI/CLI.hpp>
 #include <algorithm>
-#include <chrono>
 #include <cstdint>
 #include <cstdio>
 #include <memory>
@@ -19,18 +18,14 @@
 #include "common/simulator/scenario.h"
 #include "tools/compare/comparison.h"
 #include "tools/program/commands.h"
-#include "tools/program/interrupt.h"
-#include "tools/program/load_map.h"
 #include "tools/program/output_folder.h"
 #include "tools/program/parse_number.h"
 #include "tools/program/progress.h"
-#include "tools/program/text_option.h"
 
 namespace parloc::tools {
 namespace {
 
 using compare::Comparison;
-using compare::DriveSource;
 
 constexpr double kLongest_s = 1e6, kFarthest_m = 1e4;
 
@@ -142,7 +137,7 @@ Scenario scenario_of(const CompareOptions& o) {
 }
 
 /// Fills in what `c` says of the drives as well.
-std::unique_ptr<DriveSource> source_of(const CompareOptions& o, Comparison& c) {
+LogSource source_of(const CompareOptions& o, Comparison& c) {
   c.map_path = o.map;
   if (o.scenario.empty()) return compare::recorded_drives(c.plan, o.log, o.truth);
   const Scenario scenario = scenario_of(o);
@@ -165,17 +160,17 @@ const compare::PublishedSetting* published_for(const CompareOptions& o, const Co
                 : nullptr;
 }
 
-void run_with_progress(Comparison& c, const DriveSource& source, const GridMap& map, bool quiet) {
+void run_with_progress(Comparison& c, const LogSource& source, const GridMap& map, bool quiet) {
   catch_interrupts();
-  Progress progress(Progress::style_here(quiet));
+  Progress progress(quiet);
   const std::size_t wanted = c.request.seeds * c.request.entries.size();
   c.request.stop = interrupted;
   c.request.progress = [&](double fraction, std::size_t finished) {
     progress.update(fraction, fmt::format("{} of {} runs", finished, wanted));
   };
-  const auto begun = std::chrono::steady_clock::now();
+  const Clock::time_point begun = Clock::now();
   c.outcome = compare::run_all(c.request, source, map);
-  c.wall_s = std::chrono::duration<double>(std::chrono::steady_clock::now() - begun).count();
+  c.wall_s = seconds_since(begun);
   c.interrupted = c.outcome.finished < wanted;
   for (const auto& runs : c.outcome.runs) c.summaries.push_back(compare::summarise(runs));
 }
@@ -199,16 +194,16 @@ int run(const CompareOptions& o, const std::string& typed) {
   c.machine = machine_here();
   c.plan = plan_of(o);
   c.request = request_of(o);
-  const std::unique_ptr<DriveSource> source = source_of(o, c);
-  c.source = source->what();
-  const GridMap map = load_map(c.map_path).map;
+  const LogSource source = source_of(o, c);
+  c.source = source.what;
+  const GridMap map = read_map(c.map_path);
   check_walls(map, c.map_path);
   c.published = published_for(o, c, map);
   std::unique_ptr<OutputFolder> out;
   if (!o.out.empty())
     out = std::make_unique<OutputFolder>(o.out, std::vector<std::string>{kJson, kMarkdown, kPage});
 
-  run_with_progress(c, *source, map, o.quiet);
+  run_with_progress(c, source, map, o.quiet);
   if (c.outcome.finished == 0) {
     fmt::print(stderr, "parloc: interrupted before the first run was finished, nothing is written\n");
     return kExitInterrupted;
@@ -228,11 +223,9 @@ int run(const CompareOptions& o, const std::string& typed) {
 
 }  // namespace
 
-Command add_compare_command(CLI::App& program, const std::string& typed) {
-  CLI::App* app = program.add_subcommand("compare", "Several filters on the same drives: which is how good?");
-  const auto o = std::make_shared<CompareOptions>();
-  declare(*app, *o);
-  return {app, [=] { return run(*o, typed); }};
+Command add_compare_command(CLI::App& program) {
+  return add_command<CompareOptions>(program, "compare",
+                                     "Several filters on the same drives: which is how good?", declare, run);
 }
 
 }  // namespace parloc::tools

@@ -10,7 +10,6 @@
 #include "tools/compare/run_all.h"
 #include "tools/report/machine/machine.h"
 #include "tools/report/machine/statistics.h"
-#include "tools/report/text/facts.h"
 #include "tools/report/text/table.h"
 
 namespace parloc::tools::compare {

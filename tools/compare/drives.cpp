@@ -9,7 +9,6 @@
 
 #include "common/error.h"
 #include "common/eval/metrics.h"
-#include "common/io/open_log.h"
 #include "common/simulator/drive.h"
 #include "common/simulator/simulator.h"
 
@@ -18,10 +17,6 @@ namespace {
 
 /// Its multiples, each without its whole part, spread evenly over 0 to 1 however many there are.
 constexpr double kGoldenRatio = 0.61803398874989485;
-
-bool is_scan(const LogRecord& r) {
-  return r.kind == RecordKind::scan;
-}
 
 /// The true pose at every record; records in between scans have none.
 std::vector<std::optional<Pose>> truth_of(const TrialLog& log) {
@@ -51,66 +46,6 @@ void trim(TrialLog& log, const DrivePlan& plan, const std::string& name) {
 void kidnap_as_planned(TrialLog& log, const DrivePlan& plan, std::uint64_t seed) {
   if (plan.kidnapping) kidnap(log, kidnapped_after_s(*plan.kidnapping, seed), plan.kidnapping->distance_m);
 }
-
-class SimulatedDrives : public DriveSource {
- public:
-  SimulatedDrives(const DrivePlan& plan, const Scenario& scenario, GridMap map, std::string name)
-      : plan_(plan), scenario_(scenario), map_(std::move(map)), name_(std::move(name)) {}
-
-  TrialLog drive(std::uint64_t seed) const override {
-    Scenario scenario = scenario_;
-    scenario.seed = seed;
-    const double whole_s = plan_drive(scenario.path).duration_s();
-    SimulatedLog simulated = simulate(scenario, map_, [&](double fraction) {
-      return plan_.duration_s <= 0.0 || fraction * whole_s <= plan_.duration_s;
-    });
-    TrialLog log{std::move(simulated.records), std::move(simulated.truth), 0.0, simulated.hits,
-                 simulated.unmapped};
-    trim(log, plan_, name_);
-    kidnap_as_planned(log, plan_, seed);
-    return log;
-  }
-  std::string what() const override { return fmt::format("{}: its drive, one per seed", name_); }
-
- private:
-  DrivePlan plan_;
-  Scenario scenario_;
-  GridMap map_;
-  std::string name_;
-};
-
-class RecordedDrives : public DriveSource {
- public:
-  RecordedDrives(const DrivePlan& plan, const std::string& log, const std::string& truth)
-      : plan_(plan), name_(log) {
-    log_.truth = read_tum(truth);
-    const auto reader = open_log(log);
-    for (LogRecord record; reader->next(record);) log_.records.push_back(std::move(record));
-    broken_lines_ = reader->warnings().broken_lines;
-    if (std::none_of(log_.records.begin(), log_.records.end(), is_scan))
-      throw input_error(log, 0, "expected at least one scan (FLASER, RLASER or ROBOTLASER1), found none");
-    trim(log_, plan, truth);
-  }
-
-  TrialLog drive(std::uint64_t seed) const override {
-    TrialLog log = log_;
-    kidnap_as_planned(log, plan_, seed);
-    return log;
-  }
-  std::string what() const override {
-    std::string skipped;
-    if (broken_lines_ > 0)
-      skipped =
-          fmt::format(", {} broken line{} skipped", broken_lines_, broken_lines_ == 1 ? " was" : "s were");
-    return name_ + ": recorded" + skipped;
-  }
-
- private:
-  DrivePlan plan_;
-  TrialLog log_;
-  std::size_t broken_lines_ = 0;
-  std::string name_;
-};
 
 }  // namespace
 
@@ -147,13 +82,39 @@ void kidnap(TrialLog& log, double after_s, double distance_m) {
                     log.records.begin() + static_cast<std::ptrdiff_t>(next));
 }
 
-std::unique_ptr<DriveSource> simulated_drives(const DrivePlan& plan, const Scenario& scenario, GridMap map,
-                                              const std::string& name) {
-  return std::make_unique<SimulatedDrives>(plan, scenario, std::move(map), name);
+LogSource simulated_drives(const DrivePlan& plan, const Scenario& scenario, const GridMap& map,
+                           const std::string& name) {
+  const auto log_of = [=](std::uint64_t seed) {
+    Scenario seeded = scenario;
+    seeded.seed = seed;
+    const double whole_s = plan_drive(seeded.path).duration_s();
+    SimulatedLog simulated = simulate(seeded, map, [&](double fraction) {
+      return plan.duration_s <= 0.0 || fraction * whole_s <= plan.duration_s;
+    });
+    TrialLog log{std::move(simulated.records), std::move(simulated.truth), 0.0, simulated.hits,
+                 simulated.unmapped};
+    trim(log, plan, name);
+    kidnap_as_planned(log, plan, seed);
+    return log;
+  };
+  return {log_of, fmt::format("{}: its drive, one per seed", name)};
 }
-std::unique_ptr<DriveSource> recorded_drives(const DrivePlan& plan, const std::string& log,
-                                             const std::string& truth) {
-  return std::make_unique<RecordedDrives>(plan, log, truth);
+
+LogSource recorded_drives(const DrivePlan& plan, const std::string& log, const std::string& truth) {
+  TrialLog whole;
+  std::size_t broken_lines = 0;
+  whole.truth = read_tum(truth);
+  whole.records = read_whole_log(log, broken_lines);
+  trim(whole, plan, truth);
+  const auto log_of = [=](std::uint64_t seed) {
+    TrialLog kidnapped = whole;
+    kidnap_as_planned(kidnapped, plan, seed);
+    return kidnapped;
+  };
+  std::string what = log + ": recorded";
+  if (broken_lines > 0)
+    what += fmt::format(", {} broken line{} skipped", broken_lines, broken_lines == 1 ? " was" : "s were");
+  return {log_of, what};
 }
 
 }  // namespace parloc::tools::compare

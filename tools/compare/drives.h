@@ -1,15 +1,14 @@
 // The logs that filters are compared on: simulated anew for every seed, or one recorded log.
 #pragma once
 
-#include <cstddef>
 #include <cstdint>
-#include <memory>
 #include <optional>
 #include <string>
 
 #include "common/eval/trial.h"
 #include "common/map/grid_map.h"
 #include "common/simulator/scenario.h"
+#include "tools/program/run_items.h"
 
 namespace parloc::tools::compare {
 
@@ -24,22 +23,14 @@ struct DrivePlan {
   std::optional<Kidnapping> kidnapping;
 };
 
-class DriveSource {
- public:
-  virtual ~DriveSource() = default;
-  /// From the first scan with a true pose on. May be called from several threads. Throws Error{input} if the
-  /// robot never gets far enough to be kidnapped.
-  virtual TrialLog drive(std::uint64_t seed) const = 0;
-  virtual std::string what() const = 0;  ///< For people.
-};
-
 /// The scenario's own drive, with another seed each.
-std::unique_ptr<DriveSource> simulated_drives(const DrivePlan& plan, const Scenario& scenario, GridMap map,
-                                              const std::string& name);
+/// From the first scan with a true pose on. Throws Error{input} if the robot never gets far enough to be
+/// kidnapped.
+LogSource simulated_drives(const DrivePlan& plan, const Scenario& scenario, const GridMap& map,
+                           const std::string& name);
 /// The same log for every seed. Throws Error{input} as the readers, for a log without a scan, and for a truth
 /// of another time.
-std::unique_ptr<DriveSource> recorded_drives(const DrivePlan& plan, const std::string& log,
-                                             const std::string& truth);
+LogSource recorded_drives(const DrivePlan& plan, const std::string& log, const std::string& truth);
 
 /// When it happens in the drive of a seed, from the first scan. Seeds in a row spread evenly.
 double kidnapped_after_s(const Kidnapping& kidnapping, std::uint64_t seed);

@@ -12,15 +12,10 @@
 #include "common/config/config.h"
 #include "common/config/pose_filters.h"
 #include "common/error.h"
+#include "tools/program/parse_number.h"
 
 namespace parloc::tools::compare {
 namespace {
-
-std::vector<std::string> split(const std::string& text, char at) {
-  std::vector<std::string> parts(1);
-  for (const char c : text) c == at ? void(parts.emplace_back()) : parts.back().push_back(c);
-  return parts;
-}
 
 /// What stands before `mark`; what stands after it is left in `rest`, which is empty without a mark.
 std::string before(const std::string& text, char mark, std::string& rest, const std::string& whole) {
@@ -74,7 +69,7 @@ Entry read_entry(const std::string& text, const Config& base) {
 
 std::vector<Entry> read_entries(const std::string& list, const Config& base) {
   std::vector<Entry> entries;
-  for (const std::string& text : split(list, ',')) {
+  for (const std::string& text : split_at_commas(list)) {
     const Entry e = read_entry(text, base);
     if (std::any_of(entries.begin(), entries.end(), [&](const Entry& o) { return o.label == e.label; }))
       throw Error(ErrorKind::usage, fmt::format("--filters: '{}' is there twice", e.label));

@@ -1,19 +1,13 @@
-#include <nlohmann/json.hpp>
 
 #include "common/config/config.h"
 #include "tools/compare/comparison.h"
-#include "tools/report/machine/machine_json.h"
+#include "tools/report/result_parts.h"
 
 namespace parloc::tools::compare {
 namespace {
 
-using Json = nlohmann::ordered_json;  // a NaN is null there
-
 Json pair_json(const MeanDeviation& v) {
   return {{"mean", v.mean}, {"deviation", v.deviation}};
-}
-Json or_null(const std::optional<double>& value) {
-  return value ? Json(*value) : Json(nullptr);
 }
 
 Json plan_json(const Comparison& c) {
@@ -22,7 +16,7 @@ Json plan_json(const Comparison& c) {
             {"map", c.map_path},
             {"first_seed", c.request.first_seed},
             {"seeds", c.request.seeds},
-            {"duration_s", c.plan.duration_s > 0.0 ? Json(c.plan.duration_s) : Json(nullptr)},
+            {"duration_s", json_if(c.plan.duration_s > 0.0, c.plan.duration_s)},
             {"start_sigma_m", s.sigma_xy_m},
             {"start_sigma_rad", s.sigma_theta_rad},
             {"start_off_m", s.off_m},
@@ -45,10 +39,10 @@ Json published_json(const PublishedSetting* setting) {
                     {"filter", r.kind},
                     {"particles", r.particles},
                     {"position_rmse_m", r.position_rmse_m},
-                    {"position_mae_m", or_null(r.position_mae_m)},
+                    {"position_mae_m", json_of(r.position_mae_m)},
                     {"heading_rmse_rad", r.heading_rmse_rad},
-                    {"heading_mae_rad", or_null(r.heading_mae_rad)},
-                    {"step_ms", or_null(r.step_ms)}});
+                    {"heading_mae_rad", json_of(r.heading_mae_rad)},
+                    {"step_ms", json_of(r.step_ms)}});
   return {{"source", setting->source},
           {"kappa_m", setting->kappa_m},
           {"sigma_range_m", setting->sigma_range_m},
@@ -73,8 +67,8 @@ Json run_json(const Comparison& c, const FilterRun& r) {
           {"nees", r.nees},
           {"final_m", r.final_m},
           {"lost", r.lost()},
-          {"lost_s", or_null(r.lost_s)},
-          {"found_s", or_null(r.found_s)},
+          {"lost_s", json_of(r.lost_s)},
+          {"found_s", json_of(r.found_s)},
           {"away", r.away},
           {"particles", r.particles}};
 }
@@ -116,8 +110,8 @@ Json times_json(const Comparison& c) {
     json["filters"].push_back({{"filter", c.request.entries[k].label},
                                {"backend", c.outcome.backends[k]},
                                {"steps", s.step.count},
-                               {"step_median_ms", timed ? Json(1e3 * s.step.median_s) : Json(nullptr)},
-                               {"step_p99_ms", timed ? Json(1e3 * s.step.p99_s) : Json(nullptr)},
+                               {"step_median_ms", json_if(timed, 1e3 * s.step.median_s)},
+                               {"step_p99_ms", json_if(timed, 1e3 * s.step.p99_s)},
                                {"real_time_factor", s.real_time_factor}});
   }
   return json;

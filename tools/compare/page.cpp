@@ -6,8 +6,7 @@
 #include <optional>
 
 #include "tools/compare/comparison.h"
-#include "tools/report/html_page.h"
-#include "tools/report/plots/svg_plot.h"
+#include "tools/report/plots/plot.h"
 #include "tools/report/report_sections.h"
 #include "tools/report/text/html_text.h"
 

@@ -4,7 +4,6 @@
 
 #include <CLI/CLI.hpp>
 #include <algorithm>
-#include <chrono>
 #include <cstdio>
 #include <filesystem>
 #include <fstream>
@@ -19,29 +18,26 @@
 #include "common/file/output_file.h"
 #include "common/map/map_reader.h"
 #include "common/simulator/scenario.h"
-#include "tools/evaluate/evaluate_relations.h"
 #include "tools/evaluate/evaluation.h"
 #include "tools/evaluate/families/evaluate_families.h"
-#include "tools/evaluate/run_trials.h"
-#include "tools/evaluate/trial_source.h"
+#include "tools/evaluate/relations.h"
+#include "tools/evaluate/trials.h"
 #include "tools/program/commands.h"
-#include "tools/program/interrupt.h"
-#include "tools/program/load_map.h"
 #include "tools/program/output_folder.h"
 #include "tools/program/parse_number.h"
 #include "tools/program/progress.h"
-#include "tools/program/text_option.h"
+#include "tools/report/machine/statistics.h"
 
 namespace parloc::tools {
 namespace {
 
 using evaluate::Evaluation;
-using evaluate::TrialSource;
 
 /// The command line; what was not given is empty.
 struct EvaluateOptions {
-  std::string scenario, log, map, truth, task, trials, starts, seed, duration, limit, config, particles,
-      range, fov, jobs, samples, trajectory, relations, dataset, out, maps, corrupt;
+  ConfigOptions filter;
+  std::string scenario, log, map, truth, task, trials, starts, seed, duration, limit, particles, range, fov,
+      jobs, samples, trajectory, relations, dataset, out, maps, corrupt;
   std::vector<std::string> family;
   bool families = false, json = false, quiet = false;
 };
@@ -58,7 +54,7 @@ void declare(CLI::App& app, EvaluateOptions& o) {
   add_text_option(app, "--seed", o.seed, "FIRST", "First seed; of a log, first start (1)");
   add_text_option(app, "--duration", o.duration, "S", "Of a trial (limit + 10; of a log, to its end)");
   add_text_option(app, "--limit", o.limit, "S", "Success: localized by then (3; kidnap 5)");
-  add_text_option(app, "--config", o.config, "C.yaml", "Settings of the filter");
+  add_text_option(app, "--config", o.filter.config, "C.yaml", "Settings of the filter");
   add_text_option(app, "--particles", o.particles, "N", "Instead of the configuration's");
   add_text_option(app, "--range", o.range, "M", "Of the first LiDAR; --fov DEG likewise, its beams stay");
   add_text_option(app, "--fov", o.fov, "DEG", "Of the first LiDAR; its beams stay")->group("");
@@ -94,39 +90,35 @@ TrialPlan plan_of(const EvaluateOptions& o, double& limit_s) {
   return plan;
 }
 
-Config config_of(const EvaluateOptions& o) {
-  Config c = o.config.empty() ? Config{} : read_config(o.config);
-  if (!o.particles.empty()) c.particles = parse_whole_number<std::int64_t>("--particles", o.particles);
-  try {
-    validate(c);
-  } catch (const Error& e) {  // a file is sound by now, so it is the command line
-    throw Error(ErrorKind::usage, e.what());
-  }
-  return c;
-}
-
 bool asks_for_relations(const EvaluateOptions& o) {
   return !o.relations.empty() || !o.trajectory.empty() || !o.dataset.empty();
 }
 
-/// Of a command line that asks for relations.
-RelationsOptions relations_options(const EvaluateOptions& o) {
+void check_relations_options(const EvaluateOptions& o) {
   if (o.relations.empty() || o.trajectory.empty())
     throw Error(ErrorKind::usage, "expected --relations R.txt and --trajectory T.tum together");
-  const std::pair<const char*, const std::string&> of_trials[] = {
-      {"--scenario", o.scenario}, {"--log", o.log},       {"--map", o.map},
-      {"--truth", o.truth},       {"--task", o.task},     {"--trials", o.trials},
-      {"--starts", o.starts},     {"--seed", o.seed},     {"--duration", o.duration},
-      {"--limit", o.limit},       {"--config", o.config}, {"--particles", o.particles},
-      {"--range", o.range},       {"--fov", o.fov},       {"--jobs", o.jobs},
-      {"--samples", o.samples}};
+  const std::pair<const char*, const std::string&> of_trials[] = {{"--scenario", o.scenario},
+                                                                  {"--log", o.log},
+                                                                  {"--map", o.map},
+                                                                  {"--truth", o.truth},
+                                                                  {"--task", o.task},
+                                                                  {"--trials", o.trials},
+                                                                  {"--starts", o.starts},
+                                                                  {"--seed", o.seed},
+                                                                  {"--duration", o.duration},
+                                                                  {"--limit", o.limit},
+                                                                  {"--config", o.filter.config},
+                                                                  {"--particles", o.particles},
+                                                                  {"--range", o.range},
+                                                                  {"--fov", o.fov},
+                                                                  {"--jobs", o.jobs},
+                                                                  {"--samples", o.samples}};
   for (const auto& [name, value] : of_trials)
     if (!value.empty())
       throw Error(
           ErrorKind::usage,
           fmt::format("{} belongs to trials, of which --relations has none: expected one or the other",
                       name));
-  return {o.trajectory, o.relations, o.dataset, o.out, o.json, o.quiet};
 }
 
 void check_options(const EvaluateOptions& o) {
@@ -156,7 +148,7 @@ Scenario scenario_of(const EvaluateOptions& o) {
 }
 
 /// Fills in what `e` says of the trials as well.
-std::unique_ptr<TrialSource> source_of(const EvaluateOptions& o, Evaluation& e) {
+LogSource source_of(const EvaluateOptions& o, Evaluation& e) {
   e.recorded = !o.log.empty();
   if (!e.recorded) {
     const Scenario scenario = scenario_of(o);
@@ -176,21 +168,21 @@ std::unique_ptr<TrialSource> source_of(const EvaluateOptions& o, Evaluation& e) 
   return evaluate::recorded_trials({o.log, o.truth, starts, e.plan.duration_s});
 }
 
-void run_all(Evaluation& e, const TrialSource& source, const GridMap& map, bool quiet) {
+void run_all(Evaluation& e, const LogSource& source, const GridMap& map, bool quiet) {
   catch_interrupts();
-  Progress progress(Progress::style_here(quiet));
+  Progress progress(quiet);
   evaluate::TrialsRequest request{e.plan, e.config, e.first_seed, e.wanted, e.jobs, interrupted, {}};
   request.progress = [&](double fraction, std::size_t finished) {
     progress.update(fraction, fmt::format("{} of {} trials", finished, e.wanted));
   };
-  const auto begun = std::chrono::steady_clock::now();
+  const Clock::time_point begun = Clock::now();
   e.trials = evaluate::run_trials(request, source, map);
-  e.wall_s = std::chrono::duration<double>(std::chrono::steady_clock::now() - begun).count();
+  e.wall_s = seconds_since(begun);
   e.interrupted = e.trials.size() < e.wanted;
   e.summary = summarise(e.plan, e.limit_s, e.trials);
 }
 
-constexpr const char* kJson = "evaluate.json";
+constexpr const char *kJson = "evaluate.json", *kRelationsJson = "relations.json";
 constexpr const char* kPage = "report.html";
 
 void write_results(const Evaluation& e, const GridMap& map, OutputFolder* out, const std::string& samples) {
@@ -208,6 +200,35 @@ void check_writable(const std::string& path) {
   if (!std::ofstream(path, std::ios::app))
     throw Error(ErrorKind::output, fmt::format("{}: cannot be written", path));
   if (!there) std::filesystem::remove(path);
+}
+
+int judge_by_relations(const EvaluateOptions& o, const std::string& typed) {
+  check_relations_options(o);
+  const evaluate::PublishedLog* log = o.dataset.empty() ? nullptr : &evaluate::published_log(o.dataset);
+  evaluate::RelationsReport report = evaluate::judge_by_relations(o.trajectory, o.relations);
+  report.command = typed;
+  report.date = date_now();
+  report.log = log;
+  const std::string json = evaluate::json_text(report);
+  if (!o.out.empty()) {
+    OutputFolder out(o.out, {kRelationsJson, kPage});
+    replace_file(out.staged(kRelationsJson), json);
+    replace_file(out.staged(kPage), evaluate::html_page(report));
+    out.publish();
+  }
+  if (o.json) {
+    std::fputs(json.c_str(), stdout);
+  } else if (!o.quiet) {
+    fmt::print("{}", evaluate::terminal_text(report));
+    if (!o.out.empty()) fmt::print("\n{:<18}{}/{} (beside it: {})\n", "report", o.out, kPage, kRelationsJson);
+  }
+  return 0;
+}
+
+Config config_of(const EvaluateOptions& o) {
+  return effective_config(o.filter, [&](Config& c) {
+    if (!o.particles.empty()) c.particles = parse_whole_number<std::int64_t>("--particles", o.particles);
+  });
 }
 
 int jobs_of(const EvaluateOptions& o) {
@@ -241,7 +262,7 @@ FamiliesOptions families_options(const EvaluateOptions& o) {
 }
 
 int run(const EvaluateOptions& o, const std::string& typed) {
-  if (asks_for_relations(o)) return evaluate_relations(relations_options(o), typed);
+  if (asks_for_relations(o)) return judge_by_relations(o, typed);
   if (asks_for_families(o)) return evaluate_families(families_options(o), typed);
   // Everything that can be wrong is looked at before the long work.
   check_options(o);
@@ -252,15 +273,15 @@ int run(const EvaluateOptions& o, const std::string& typed) {
   e.plan = plan_of(o, e.limit_s);
   e.first_seed = whole_within("--seed", o.seed, 0, kLastSeed, 1);
   e.config = config_of(o);
-  const std::unique_ptr<TrialSource> source = source_of(o, e);
-  e.source = source->what();
+  const LogSource source = source_of(o, e);
+  e.source = source.what;
   e.jobs = static_cast<int>(std::min<std::size_t>(static_cast<std::size_t>(jobs_of(o)), e.wanted));
-  const GridMap map = load_map(e.map_path).map;
+  const GridMap map = read_map(e.map_path);
   std::unique_ptr<OutputFolder> out;
   if (!o.out.empty()) out = std::make_unique<OutputFolder>(o.out, std::vector<std::string>{kJson, kPage});
   if (!o.samples.empty()) check_writable(o.samples);
 
-  run_all(e, *source, map, o.quiet);
+  run_all(e, source, map, o.quiet);
   if (e.trials.empty()) {
     fmt::print(stderr, "parloc: interrupted before the first trial was finished, nothing is written\n");
     return kExitInterrupted;
@@ -277,11 +298,9 @@ int run(const EvaluateOptions& o, const std::string& typed) {
 
 }  // namespace
 
-Command add_evaluate_command(CLI::App& program, const std::string& typed) {
-  CLI::App* app = program.add_subcommand("evaluate", "Try the localizer many times: how often is it right?");
-  const auto o = std::make_shared<EvaluateOptions>();
-  declare(*app, *o);
-  return {app, [=] { return run(*o, typed); }};
+Command add_evaluate_command(CLI::App& program) {
+  return add_command<EvaluateOptions>(program, "evaluate",
+                                      "Try the localizer many times: how often is it right?", declare, run);
 }
 
 }  // namespace parloc::tools

@@ -10,7 +10,7 @@
 #include "common/localize/localizer.h"
 #include "common/map/grid_map.h"
 #include "tools/report/machine/machine.h"
-#include "tools/report/text/facts.h"
+#include "tools/report/text/table.h"
 
 namespace parloc::tools::evaluate {
 

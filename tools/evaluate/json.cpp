@@ -1,22 +1,16 @@
-#include <nlohmann/json.hpp>
 
 #include "common/config/config.h"
 #include "tools/evaluate/evaluation.h"
-#include "tools/report/machine/machine_json.h"
+#include "tools/report/result_parts.h"
 
 namespace parloc::tools::evaluate {
 namespace {
-
-using Json = nlohmann::ordered_json;
 
 Json rate_json(const Rate& r) {
   return {{"hits", r.hits}, {"of", r.trials}, {"share", r.share}, {"low", r.low}, {"high", r.high}};
 }
 Json spread_json(const Spread& s) {
   return {{"count", s.count}, {"median", s.median}, {"p95", s.p95}, {"most", s.most}};
-}
-Json seconds_or_null(const std::optional<double>& seconds) {
-  return seconds ? Json(*seconds) : Json(nullptr);
 }
 
 Json plan_json(const Evaluation& e) {
@@ -27,14 +21,14 @@ Json plan_json(const Evaluation& e) {
           {"map", e.map_path},
           {"first_seed", e.first_seed},
           {"trials_wanted", e.wanted},
-          {"duration_s", p.duration_s > 0.0 ? Json(p.duration_s) : Json(nullptr)},
+          {"duration_s", json_if(p.duration_s > 0.0, p.duration_s)},
           {"limit_s", e.limit_s},
           {"hold_s", p.hold_s},
           {"grace_s", p.grace_s},
           {"near_m", p.near_m},
           {"near_rad", p.near_rad},
-          {"speed_mps", e.recorded ? Json(nullptr) : Json(p.speed_mps)},
-          {"turn_rate_rad_s", e.recorded ? Json(nullptr) : Json(p.turn_rate_rad_s)}};
+          {"speed_mps", json_if(!e.recorded, p.speed_mps)},
+          {"turn_rate_rad_s", json_if(!e.recorded, p.turn_rate_rad_s)}};
 }
 
 Json calibration_json(const Calibration& c) {
@@ -82,10 +76,10 @@ Json trial_json(const Evaluation& e, const TrialResult& t) {
             {"begun_s", t.begun_s},
             {"start", {t.start.x_m, t.start.y_m, t.start.theta_rad}},
             {"success", succeeded(o, e.limit_s)},
-            {"localized_after_s", seconds_or_null(o.localized_after_s)}};
+            {"localized_after_s", json_of(o.localized_after_s)}};
   if (e.plan.task == TrialTask::kidnap) {
     json["tracked_before"] = o.tracked_before;
-    json["noticed_after_s"] = seconds_or_null(o.noticed_after_s);
+    json["noticed_after_s"] = json_of(o.noticed_after_s);
   }
   json["samples"] = o.samples;
   json["right"] = o.right;

@@ -5,19 +5,16 @@
 
 #include "tools/evaluate/evaluation.h"
 #include "tools/report/machine/machine.h"
+#include "tools/report/text/numbers.h"
 
 namespace parloc::tools::evaluate {
 namespace {
 
 constexpr std::size_t kSeedsListed = 40;
 
-std::string percent(double share) {
-  return std::isfinite(share) ? fmt::format("{:.1f} %", 100.0 * share) : "-";
-}
-
 /// "29 of 30 (96.7 %, 95 % interval 83.3 to 99.4)".
 std::string rate_text(const Rate& r) {
-  return fmt::format("{} of {} ({}, 95 % interval {:.1f} to {:.1f})", r.hits, r.trials, percent(r.share),
+  return fmt::format("{} of {} ({}, 95 % interval {:.1f} to {:.1f})", r.hits, r.trials, percent_text(r.share),
                      100.0 * r.low, 100.0 * r.high);
 }
 
@@ -25,10 +22,6 @@ std::string spread_text(const Spread& s, const char* unit, int decimals) {
   if (s.count == 0) return "-";
   return fmt::format("median {1:.{0}f} {4}, 95th percentile {2:.{0}f} {4}, most {3:.{0}f} {4}", decimals,
                      s.median, s.p95, s.most, unit);
-}
-
-std::string number(double value, int decimals) {
-  return std::isfinite(value) ? fmt::format("{:.{}f}", value, decimals) : "-";
 }
 
 std::string nees_text(const MeanInterval& n) {
@@ -41,8 +34,8 @@ std::string nees_text(const MeanInterval& n) {
 
 std::string missed_text(const TrialSummary& s) {
   if (s.wrong_s <= 0.0) return "it was never wrong";
-  return fmt::format("it said tracking in {} of the {:.1f} s in which it was wrong", percent(s.missed_lost),
-                     s.wrong_s);
+  return fmt::format("it said tracking in {} of the {:.1f} s in which it was wrong",
+                     percent_text(s.missed_lost), s.wrong_s);
 }
 
 std::string seeds_text(const std::vector<std::uint64_t>& seeds) {
@@ -68,9 +61,8 @@ Facts result_facts(const Evaluation& e) {
   if (s.localized.hits == 0) {
     lines.push_back({"localized after", "never, in any trial"});
   } else {
-    lines.push_back(
-        {"localized after", fmt::format("{} ({} of {} trials ever were)", spread_text(s.localize_s, "s", 1),
-                                        s.localized.hits, s.trials)});
+    add_fact(lines, "localized after", "{} ({} of {} trials ever were)", spread_text(s.localize_s, "s", 1),
+             s.localized.hits, s.trials);
     lines.push_back({"right ever since", rate_text(s.right_after) + ": of these, never wrong to the end"});
   }
   if (e.plan.task == TrialTask::kidnap) {
@@ -82,19 +74,16 @@ Facts result_facts(const Evaluation& e) {
   lines.push_back(
       {"sure but wrong", rate_text(s.confident_wrong) + ": trials that say tracking while wrong"});
   lines.push_back({"... for 1 s on", rate_text(s.confident_wrong_1s)});
-  lines.push_back(
-      {"false lost", fmt::format("{} in {:.2f} h of driving while right: {} per hour", s.false_lost,
-                                 s.right_s / 3600.0, number(s.false_lost_per_hour, 1))});
+  add_fact(lines, "false lost", "{} in {:.2f} h of driving while right: {} per hour", s.false_lost,
+           s.right_s / 3600.0, fixed_text(s.false_lost_per_hour, 1));
   lines.push_back({"missed lost", missed_text(s)});
   if (s.localized.hits > 0) {
-    lines.push_back({"error", fmt::format("{} m RMSE since it was localized", number(s.rmse_m, 4))});
+    add_fact(lines, "error", "{} m RMSE since it was localized", fixed_text(s.rmse_m, 4));
     lines.push_back({"NEES", nees_text(s.nees)});
   }
-  lines.push_back(
-      {"probability", fmt::format("Brier {}, AUC {} over {} scans", number(s.calibration.brier, 4),
-                                  number(s.calibration.auc, 4), s.samples)});
-  lines.push_back(
-      {"searches", fmt::format("{:.2f} per trial, most {:.0f}", s.searches_mean, s.searches_most)});
+  add_fact(lines, "probability", "Brier {}, AUC {} over {} scans", fixed_text(s.calibration.brier, 4),
+           fixed_text(s.calibration.auc, 4), s.samples);
+  add_fact(lines, "searches", "{:.2f} per trial, most {:.0f}", s.searches_mean, s.searches_most);
   lines.push_back({"failed seeds", seeds_text(s.failed)});
   return lines;
 }
@@ -112,24 +101,21 @@ Facts origin_facts(const Evaluation& e) {
                          "the start is given; half-way the robot is put somewhere else",
                          "the start is given"};
   Facts lines{{"trials", e.source}, {"map", e.map_path}};
-  lines.push_back(
-      {"task", fmt::format("{}: {}", name_of(e.plan.task), tasks[static_cast<int>(e.plan.task)])});
+  add_fact(lines, "task", "{}: {}", name_of(e.plan.task), tasks[static_cast<int>(e.plan.task)]);
   std::string amount = fmt::format("{} from seed {}", e.trials.size(), e.first_seed);
   if (e.plan.duration_s > 0.0)
     amount += fmt::format(", {:g} s{}", e.plan.duration_s, e.plan.task == TrialTask::kidnap ? " twice" : "");
   if (e.interrupted) amount += fmt::format("; interrupted, {} were wanted", e.wanted);
   lines.push_back({"amount", amount});
   if (e.summary.unmapped > 0.0)
-    lines.push_back({"clutter", percent(e.summary.unmapped) +
+    lines.push_back({"clutter", percent_text(e.summary.unmapped) +
                                     " of the hits are on people and boxes that are not on the map"});
-  lines.push_back({"right", fmt::format("within {:g} m and {:.0f} degrees of the truth", e.plan.near_m,
-                                        e.plan.near_rad * 180.0 / 3.14159265358979)});
+  add_fact(lines, "right", "within {:g} m and {:.0f} degrees of the truth", e.plan.near_m,
+           e.plan.near_rad * 180.0 / 3.14159265358979);
   if (e.plan.duration_s > 0.0 && e.plan.duration_s < e.limit_s + e.plan.hold_s - 1e-9)
-    lines.push_back(
-        {"note",
-         fmt::format("a trial that is right only at {:g} s is watched for {:g} s, not {:g} s", e.limit_s,
-                     e.plan.duration_s > e.limit_s ? e.plan.duration_s - e.limit_s : 0.0, e.plan.hold_s)});
-  lines.push_back({"filter", fmt::format("{} particles", e.config.particles)});
+    add_fact(lines, "note", "a trial that is right only at {:g} s is watched for {:g} s, not {:g} s",
+             e.limit_s, e.plan.duration_s > e.limit_s ? e.plan.duration_s - e.limit_s : 0.0, e.plan.hold_s);
+  add_fact(lines, "filter", "{} particles", e.config.particles);
   lines.push_back({"build", version_text()});
   return lines;
 }

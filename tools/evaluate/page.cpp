@@ -5,9 +5,8 @@
 #include <iterator>
 
 #include "tools/evaluate/evaluation.h"
-#include "tools/report/html_page.h"
 #include "tools/report/map_view.h"
-#include "tools/report/plots/svg_plot.h"
+#include "tools/report/plots/plot.h"
 #include "tools/report/report_sections.h"
 #include "tools/report/text/html_text.h"
 #include "tools/report/text/table.h"

@@ -15,20 +15,17 @@
 #include "common/io/trajectory.h"
 #include "common/map/map_reader.h"
 #include "common/model/model_settings.h"
-#include "tools/learn/learn_picture.h"
-#include "tools/learn/range_pairs.h"
+#include "tools/learn/learn.h"
 #include "tools/program/commands.h"
-#include "tools/program/interrupt.h"
 #include "tools/program/output_folder.h"
 #include "tools/program/parse_number.h"
 #include "tools/program/progress.h"
-#include "tools/program/text_option.h"
 
 namespace parloc::tools {
 namespace {
 
-struct LearnOptions {
-  std::string map, log, truth, config, beams;
+struct LearnOptions : ConfigOptions {
+  std::string map, log, truth;
   std::string out = "parloc_learned";
   bool quiet = false;
 };
@@ -50,21 +47,13 @@ void declare(CLI::App& app, LearnOptions& o) {
       "configuration; writes it (sensor.yaml) and a histogram (mixture.png).");
 }
 
-Config effective_config(const LearnOptions& o) {
-  Config config = o.config.empty() ? Config{} : read_config(o.config);
-  const SensorModel model = config.sensor.model;
-  if (model != SensorModel::beam && model != SensorModel::class_conditional)
-    config.sensor = default_sensor(SensorModel::beam);
-  if (!o.beams.empty()) {
-    config.scan.max_beams = parse_whole_number<int>("--beams", o.beams);
-    config.scan.min_beams = 1;
-  }
-  try {
-    validate(config);
-  } catch (const Error& e) {  // a file is sound by now, so it is the command line
-    throw Error(ErrorKind::usage, e.what());
-  }
-  return config;
+Config learn_config(const LearnOptions& o) {
+  return effective_config(o, [&](Config& config) {
+    const SensorModel model = config.sensor.model;
+    if (model != SensorModel::beam && model != SensorModel::class_conditional)
+      config.sensor = default_sensor(SensorModel::beam);
+    if (!o.beams.empty()) config.scan.min_beams = 1;
+  });
 }
 
 /// A start from which every cause can grow.
@@ -73,12 +62,6 @@ Mixture start_of(const SensorConfig& c) {
   const double sum = share(c.z_hit) + share(c.z_short) + share(c.z_max) + share(c.z_rand);
   return {share(c.z_hit) / sum, share(c.z_short) / sum, share(c.z_max) / sum, share(c.z_rand) / sum,
           c.sigma_hit,          c.lambda_short};
-}
-
-const char* name_of(SensorModel model) {
-  for (const auto& choice : kSensorModels)
-    if (choice.value == model) return choice.name;
-  return "?";
 }
 
 std::string sensor_block(const SensorConfig& s, const std::string& typed) {
@@ -92,14 +75,15 @@ std::string sensor_block(const SensorConfig& s, const std::string& typed) {
       "  z_rand: {:g}\n"
       "  sigma_hit: {:g}        # [m]\n"
       "  lambda_short: {:g}     # [1/m]\n",
-      typed, name_of(s.model), s.z_hit, s.z_short, s.z_max, s.z_rand, s.sigma_hit, s.lambda_short);
+      typed, name_of(s.model, kSensorModels), s.z_hit, s.z_short, s.z_max, s.z_rand, s.sigma_hit,
+      s.lambda_short);
 }
 
 RangePairsOfLog collect(const LearnOptions& o, const Config& config) {
   const GridMap map = read_map(o.map);
   const std::unique_ptr<LogReader> log = open_log(o.log);
   const Trajectory truth = read_tum(o.truth);
-  Progress progress(Progress::style_here(o.quiet));
+  Progress progress(o.quiet);
   return collect_range_pairs(map, *log, truth, config, [&](double fraction) {
     progress.update(fraction);
     return !interrupted();
@@ -115,7 +99,7 @@ RangePairsOfLog collect(const LearnOptions& o, const Config& config) {
 }
 
 int run(const LearnOptions& o, const std::string& typed) {
-  const Config config = effective_config(o);
+  const Config config = learn_config(o);
   OutputFolder out(o.out, {kConfig, kPicture});
   catch_interrupts();
   const RangePairsOfLog found = collect(o, config);
@@ -146,11 +130,9 @@ int run(const LearnOptions& o, const std::string& typed) {
 
 }  // namespace
 
-Command add_learn_command(CLI::App& program, const std::string& typed) {
-  CLI::App* app = program.add_subcommand("learn", "Learn the beam mixture from a log with known poses");
-  const auto options = std::make_shared<LearnOptions>();
-  declare(*app, *options);
-  return {app, [options, typed] { return run(*options, typed); }};
+Command add_learn_command(CLI::App& program) {
+  return add_command<LearnOptions>(program, "learn", "Learn the beam mixture from a log with known poses",
+                                   declare, run);
 }
 
 }  // namespace parloc::tools

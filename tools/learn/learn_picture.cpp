@@ -1,11 +1,11 @@
-#include "tools/learn/learn_picture.h"
+#include "tools/learn/learn.h"
 
 #include <algorithm>
 #include <array>
 #include <cmath>
 
 #include "common/file/output_file.h"
-#include "tools/report/plots/plot_picture.h"
+#include "tools/report/plots/plot.h"
 
 namespace parloc::tools {
 namespace {

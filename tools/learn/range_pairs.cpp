@@ -1,4 +1,4 @@
-#include "tools/learn/range_pairs.h"
+#include "tools/learn/learn.h"
 
 #include "common/error.h"
 #include "common/eval/metrics.h"
@@ -11,7 +11,7 @@ namespace {
 class OneRobot {
  public:
   OneRobot(const GridMap& map, const FilterConfig& config)
-      : map_(map), config_(config), track_(config.motion.max_jump_m) {
+      : map_(map), config_(config), track_(config.motion) {
     SensorConfig sensor = config.sensor;
     if (!casts_rays(sensor.model)) sensor.model = SensorModel::beam;
     FilterBackendConfig one;

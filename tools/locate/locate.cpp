@@ -3,7 +3,6 @@
 
 #include <CLI/CLI.hpp>
 #include <algorithm>
-#include <chrono>
 #include <cmath>
 #include <cstdio>
 #include <memory>
@@ -18,30 +17,22 @@
 #include "common/filter/filter_settings.h"
 #include "common/io/open_log.h"
 #include "common/io/scan_file.h"
+#include "common/map/map_reader.h"
 #include "common/model/beams.h"
 #include "common/model/lidar.h"
 #include "common/search/global_search.h"
-#include "tools/program/choice_option.h"
 #include "tools/program/commands.h"
-#include "tools/program/load_map.h"
 #include "tools/program/output_folder.h"
 #include "tools/program/parse_number.h"
-#include "tools/program/search_prior.h"
-#include "tools/program/text_option.h"
-#include "tools/report/hypothesis_picture.h"
+#include "tools/report/machine/statistics.h"
+#include "tools/report/map_picture.h"
 
 namespace parloc::tools {
 namespace {
 
-using Clock = std::chrono::steady_clock;
-double seconds_since(Clock::time_point t) {
-  return std::chrono::duration<double>(Clock::now() - t).count();
-}
-
 /// The command line; what was not given is empty.
-struct LocateOptions {
-  std::string map, log, at, number, scan, config, top, near, heading, out, device, threads, beams;
-  std::optional<BackendChoice> backend;
+struct LocateOptions : ConfigOptions {
+  std::string map, log, at, number, scan, top, near, heading, out;
   bool json = false;
 };
 
@@ -64,23 +55,6 @@ void declare(CLI::App& app, LocateOptions& o) {
   app.footer(
       "Searches every free place and heading of the map. Exit code 7: no place explains the scan.\n"
       "docs/locate.md");
-}
-
-Config effective_config(const LocateOptions& o) {
-  Config config = o.config.empty() ? Config{} : read_config(o.config);
-  if (o.backend) config.backend = *o.backend;
-  if (!o.device.empty()) config.device = parse_whole_number<int>("--device", o.device);
-  if (!o.threads.empty()) config.threads = parse_whole_number<int>("--threads", o.threads);
-  if (!o.beams.empty()) {
-    config.scan.max_beams = parse_whole_number<int>("--beams", o.beams);
-    config.scan.min_beams = std::min(config.scan.min_beams, config.scan.max_beams);
-  }
-  try {
-    validate(config);
-  } catch (const Error& e) {  // a file is sound by now, so it is the command line
-    throw Error(ErrorKind::usage, e.what());
-  }
-  return config;
 }
 
 SearchConfig search_config(const LocateOptions& o, const Config& config) {
@@ -202,12 +176,12 @@ void print_table(const Located& l) {
 constexpr const char* kJson = "hypotheses.json";
 constexpr const char* kPicture = "picture.png";
 
-int locate(const LocateOptions& o) {
+int locate(const LocateOptions& o, const std::string&) {
   // Everything that can be wrong is looked at before the long work.
   const Config config = effective_config(o);
   const SearchConfig searching = search_config(o, config);
   const SearchPrior prior = parse_search_prior(o.near, o.heading);
-  const GridMap map = load_map(o.map).map;
+  const GridMap map = read_map(o.map);
   const ChosenScan chosen = choose_scan(o);
   std::unique_ptr<OutputFolder> out;
   if (!o.out.empty()) out = std::make_unique<OutputFolder>(o.out, std::vector<std::string>{kJson, kPicture});
@@ -245,10 +219,8 @@ int locate(const LocateOptions& o) {
 }  // namespace
 
 Command add_locate_command(CLI::App& program) {
-  CLI::App* app = program.add_subcommand("locate", "Find where on the map one scan was taken");
-  const auto o = std::make_shared<LocateOptions>();
-  declare(*app, *o);
-  return {app, [=] { return locate(*o); }};
+  return add_command<LocateOptions>(program, "locate", "Find where on the map one scan was taken", declare,
+                                    locate);
 }
 
 }  // namespace parloc::tools

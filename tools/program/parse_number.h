@@ -8,8 +8,10 @@
 #include <limits>
 #include <string>
 #include <system_error>
+#include <vector>
 
 #include "common/error.h"
+#include "common/search/search_config.h"
 
 namespace parloc::tools {
 
@@ -43,5 +45,12 @@ inline double parse_number(const char* option, const std::string& text, double l
   }
   return value;
 }
+
+/// What stands between commas; an empty text has one part, which is empty.
+std::vector<std::string> split_at_commas(const std::string& text);
+
+/// Where the robot may be, as --near and --heading say: `near` is "x,y,radius" [m], `heading`
+/// "angle,tolerance" [rad]; empty is not known. Throws Error{usage} for anything else.
+SearchPrior parse_search_prior(const std::string& near, const std::string& heading);
 
 }  // namespace parloc::tools

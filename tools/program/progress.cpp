@@ -5,7 +5,9 @@
 #include <unistd.h>
 
 #include <algorithm>
+#include <csignal>
 #include <cstdio>
+#include <initializer_list>
 #include <string>
 
 namespace parloc::tools {
@@ -16,14 +18,18 @@ std::size_t terminal_columns() {
   return ioctl(STDERR_FILENO, TIOCGWINSZ, &size) == 0 && size.ws_col > 1 ? size.ws_col : 80;
 }
 
-}  // namespace
+volatile std::sig_atomic_t g_interrupted = 0;
 
-Progress::Style Progress::style_here(bool quiet) {
-  if (quiet) return Style::silent;
-  return isatty(STDERR_FILENO) != 0 ? Style::bar : Style::lines;
+extern "C" void note_interrupt(int) {
+  g_interrupted = 1;
 }
 
-Progress::Progress(Style style) : style_(style) {}
+}  // namespace
+
+Progress::Progress(bool quiet)
+    : style_(quiet                        ? Style::silent
+             : isatty(STDERR_FILENO) != 0 ? Style::bar
+                                          : Style::lines) {}
 
 Progress::~Progress() {
   if (drawn_) std::fputs("\r\033[K", stderr);
@@ -60,6 +66,23 @@ void Progress::draw_bar(double fraction, std::string_view note, double elapsed_s
   // What is wider than the terminal would go on in a line that is not redrawn.
   fmt::print(stderr, "\r{}\033[K", line.substr(0, terminal_columns() - 1));
   std::fflush(stderr);
+}
+
+void catch_interrupts() {
+  for (const int signal : {SIGINT, SIGTERM}) {
+    struct sigaction before {};
+    sigaction(signal, nullptr, &before);
+    if (before.sa_handler == SIG_IGN) continue;
+    struct sigaction action {};
+    action.sa_handler = note_interrupt;
+    sigemptyset(&action.sa_mask);
+    action.sa_flags = SA_RESTART | SA_RESETHAND;  // RESETHAND: the second one has its default effect
+    sigaction(signal, &action, nullptr);
+  }
+}
+
+bool interrupted() {
+  return g_interrupted != 0;
 }
 
 }  // namespace parloc::tools

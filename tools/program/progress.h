@@ -1,4 +1,4 @@
-// How far a long work is, for the person who waits.
+// A long work tells the person who waits how far it is, and can be ended by Ctrl-C.
 #pragma once
 
 #include <chrono>
@@ -7,14 +7,10 @@
 namespace parloc::tools {
 
 /// On stderr: a bar that is redrawn where that is a terminal; else a plain line every 10 % or 10 seconds,
-/// whichever comes first. Silent ones print nothing.
+/// whichever comes first. A quiet one prints nothing.
 class Progress {
  public:
-  enum class Style { bar, lines, silent };
-  /// `bar` if stderr is a terminal, else `lines`; `silent` on request.
-  static Style style_here(bool quiet);
-
-  explicit Progress(Style style);
+  explicit Progress(bool quiet);
   ~Progress();  ///< Takes the bar away.
   Progress(const Progress&) = delete;
   Progress& operator=(const Progress&) = delete;
@@ -23,6 +19,7 @@ class Progress {
   void update(double fraction, std::string_view note = {});
 
  private:
+  enum class Style { bar, lines, silent };
   using Clock = std::chrono::steady_clock;
   void draw_bar(double fraction, std::string_view note, double elapsed_s) const;
 
@@ -32,5 +29,12 @@ class Progress {
   int tenths_ = 0;
   bool drawn_ = false;
 };
+
+/// From here on SIGINT and SIGTERM are noted instead of ending the program; a second one ends it at once.
+/// Signals that were ignored when the program started (a background job of a script) stay ignored.
+void catch_interrupts();
+
+/// Has one come?
+bool interrupted();
 
 }  // namespace parloc::tools

@@ -1,11 +1,16 @@
 #include "tools/program/run_items.h"
 
+#include <algorithm>
 #include <atomic>
 #include <chrono>
 #include <exception>
 #include <mutex>
 #include <thread>
+#include <utility>
 #include <vector>
+
+#include "common/error.h"
+#include "common/io/open_log.h"
 
 namespace parloc::tools {
 
@@ -37,6 +42,16 @@ void run_items(const ItemsRequest& request,
   }
   for (std::thread& thread : threads) thread.join();
   if (error) std::rethrow_exception(error);
+}
+
+std::vector<LogRecord> read_whole_log(const std::string& path, std::size_t& broken_lines) {
+  std::vector<LogRecord> records;
+  const auto reader = open_log(path);
+  for (LogRecord record; reader->next(record);) records.push_back(std::move(record));
+  broken_lines = reader->warnings().broken_lines;
+  if (std::none_of(records.begin(), records.end(), is_scan))
+    throw input_error(path, 0, "expected at least one scan (FLASER, RLASER or ROBOTLASER1), found none");
+  return records;
 }
 
 }  // namespace parloc::tools

@@ -1,8 +1,14 @@
-// Many pieces of work in a few threads, which can be stopped.
+// What many trials need: their logs, and threads that do piece after piece and can be stopped.
 #pragma once
 
 #include <cstddef>
+#include <cstdint>
 #include <functional>
+#include <string>
+#include <vector>
+
+#include "common/eval/trial.h"
+#include "common/io/log.h"
 
 namespace parloc::tools {
 
@@ -22,5 +28,18 @@ using Worker = std::function<void(std::size_t item)>;
 /// first error ends the work and is thrown.
 void run_items(const ItemsRequest& request,
                const std::function<Worker(std::size_t thread, const KeepGoing& keep_going)>& make_worker);
+
+struct LogSource {
+  std::function<TrialLog(std::uint64_t seed)> log_of;  ///< May be called from several threads.
+  std::string what;                                    ///< For people: where the logs come from.
+};
+
+inline bool is_scan(const LogRecord& r) {
+  return r.kind == RecordKind::scan;
+}
+
+/// All of a log, and how many broken lines were skipped. Throws Error{input} as the readers, and without a
+/// scan.
+std::vector<LogRecord> read_whole_log(const std::string& path, std::size_t& broken_lines);
 
 }  // namespace parloc::tools

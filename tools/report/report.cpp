@@ -50,29 +50,24 @@ Facts route_facts(const RunReport& report) {
   if (!report.estimate.empty()) {
     const auto& first = report.estimate.front();
     const auto& last = report.estimate.back();
-    facts.push_back({"Poses", fmt::format("{} in {} s, {} m", report.estimate.size(),
-                                          number_text(last.stamp_s - first.stamp_s, 1),
-                                          number_text(length_m(report.estimate), 1))});
+    add_fact(facts, "Poses", "{} in {} s, {} m", report.estimate.size(),
+             number_text(last.stamp_s - first.stamp_s, 1), number_text(length_m(report.estimate), 1));
   }
   if (report.map != nullptr) {
     const GridMap& map = *report.map;
-    facts.push_back(
-        {"Map",
-         fmt::format("{} \xC3\x97 {} m, cells of {} m", number_text(map.width * map.resolution_m, 1),
-                     number_text(map.height * map.resolution_m, 1), number_text(map.resolution_m, 4))});
+    add_fact(facts, "Map", "{} \xC3\x97 {} m, cells of {} m", number_text(map.width * map.resolution_m, 1),
+             number_text(map.height * map.resolution_m, 1), number_text(map.resolution_m, 4));
   }
   return facts;
 }
 
 Facts error_facts(const TrackErrors& e) {
   Facts facts;
-  facts.push_back(
-      {"Position error", fmt::format("mean {}, RMSE {}, 95% {}, max {}", distance_text(e.position_mae_m),
-                                     distance_text(e.position_rmse_m), distance_text(e.position_p95_m),
-                                     distance_text(e.position_max_m))});
-  facts.push_back(
-      {"Heading error", fmt::format("mean {}, RMSE {}, max {}", degrees_text(e.heading_mae_rad),
-                                    degrees_text(e.heading_rmse_rad), degrees_text(e.heading_max_rad))});
+  add_fact(facts, "Position error", "mean {}, RMSE {}, 95% {}, max {}", distance_text(e.position_mae_m),
+           distance_text(e.position_rmse_m), distance_text(e.position_p95_m),
+           distance_text(e.position_max_m));
+  add_fact(facts, "Heading error", "mean {}, RMSE {}, max {}", degrees_text(e.heading_mae_rad),
+           degrees_text(e.heading_rmse_rad), degrees_text(e.heading_max_rad));
   std::string compared = fmt::format("{} poses", e.compared);
   if (e.without_truth > 0) compared += fmt::format(", {} without truth", e.without_truth);
   facts.push_back({"Compared with truth", compared});
@@ -90,10 +85,9 @@ Facts step_facts(const std::vector<StepRecord>& steps) {
   Facts facts;
   const std::vector<double> sorted = ascending(std::move(times));
   if (!sorted.empty()) {
-    facts.push_back(
-        {"Time per step",
-         fmt::format("median {} ms, 99% {} ms, max {} ms", number_text(nearest_rank(sorted, 50), 3),
-                     number_text(nearest_rank(sorted, 99), 3), number_text(sorted.back(), 3))});
+    add_fact(facts, "Time per step", "median {} ms, 99% {} ms, max {} ms",
+             number_text(nearest_rank(sorted, 50), 3), number_text(nearest_rank(sorted, 99), 3),
+             number_text(sorted.back(), 3));
   }
   std::string text = fmt::format("{}, resampled in {}", steps.size(), resampled);
   if (lost > 0) text += fmt::format(", no particle fitted in {}", lost);

@@ -13,7 +13,7 @@
 #include "common/map/grid_map.h"
 #include "common/math/pose.h"
 #include "tools/report/plots/plot.h"
-#include "tools/report/text/facts.h"
+#include "tools/report/text/table.h"
 
 namespace parloc::tools {
 

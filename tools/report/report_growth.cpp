@@ -5,7 +5,6 @@
 #include <cmath>
 
 #include "tools/report/map_view.h"
-#include "tools/report/report_marks.h"
 #include "tools/report/report_sections.h"
 #include "tools/report/text/html_text.h"
 
@@ -52,10 +51,7 @@ std::string image(const GridMap& map, const MapView& view) {
 std::string layer(const MapMoment& moment, const MapView& view, const Axis& axis, std::size_t index,
                   bool shown) {
   const Snapshot& state = moment.state;
-  const double at =
-      drawable(state.stamp_s) ? std::clamp(100 * axis.fraction(state.stamp_s), 0.0, 100.0) : 0.0;
-  return fmt::format("<g class=\"grown\" data-time=\"{}\" data-at=\"{:.2f}\"{}><g id=\"grown{}\">",
-                     time_text(axis, state.stamp_s), at, shown ? "" : " style=\"display:none\"", index) +
+  return moment_group("grown", state.stamp_s, axis, shown) + fmt::format("<g id=\"grown{}\">", index) +
          image(moment.map, view) + svg_path("c1", track_path(moment.path, view, {1500, 1.0})) +
          cloud(state, view, fmt::format("grown_cloud{}", index)) + "</g>" +
          dot("robot c5", state.pose, view) +

@@ -1,11 +1,12 @@
 #include <algorithm>
+#include <functional>
 #include <iterator>
 #include <limits>
 #include <numbers>
 #include <utility>
 
 #include "common/math/quantile.h"
-#include "tools/report/plots/svg_plot.h"
+#include "tools/report/plots/plot.h"
 #include "tools/report/report_sections.h"
 #include "tools/report/text/html_text.h"
 
@@ -18,7 +19,7 @@ template <class Get>
 std::vector<double> column(const std::vector<StepRecord>& steps, Get get) {
   std::vector<double> values;
   values.reserve(steps.size());
-  for (const StepRecord& step : steps) values.push_back(get(step));
+  for (const StepRecord& step : steps) values.push_back(std::invoke(get, step));
   return values;
 }
 
@@ -31,7 +32,7 @@ template <class When>
 std::vector<double> stamps_when(const std::vector<StepRecord>& steps, When when) {
   std::vector<double> stamps;
   for (const StepRecord& step : steps) {
-    if (when(step)) stamps.push_back(step.stamp_s);
+    if (std::invoke(when, step)) stamps.push_back(step.stamp_s);
   }
   return stamps;
 }
@@ -54,7 +55,7 @@ Plot error_plot(const std::string& title, const std::string& unit, const TrackEr
     plot.bands.push_back(
         {"\xC2\xB1"
          "3 \xCF\x83 of the particles",
-         "c4", column(steps, [](auto& s) { return s.stamp_s; }), scaled(sigma, 3)});
+         "c4", column(steps, &StepRecord::stamp_s), scaled(sigma, 3)});
   }
   return plot;
 }
@@ -64,14 +65,13 @@ Plot n_eff_plot(const RunReport& report, const std::vector<double>& stamps) {
   const PlotScale scale = report.adaptive ? PlotScale::automatic : PlotScale::from_zero;
   Plot plot{"Effective particles", "N_eff", scale};
   plot.series.push_back(
-      {report.adaptive ? "N_eff" : "", "c1", stamps, column(report.steps, [](auto& s) { return s.n_eff; })});
+      {report.adaptive ? "N_eff" : "", "c1", stamps, column(report.steps, &StepRecord::n_eff)});
   if (report.adaptive)
-    plot.series.push_back(
-        {"all particles", "c6", stamps, column(report.steps, [](auto& s) { return s.particles; })});
+    plot.series.push_back({"all particles", "c6", stamps, column(report.steps, &StepRecord::particles)});
   if (report.resample_below > 0.0) plot.levels.push_back({"threshold", "c5", report.resample_below});
   if (report.particles > 0.0) plot.levels.push_back({"all particles", "c6", report.particles});
-  plot.marks.push_back({"resampled", "c2", stamps_when(report.steps, [](auto& s) { return s.resampled; })});
-  plot.marks.push_back({"no particle fits", "c5", stamps_when(report.steps, [](auto& s) { return s.lost; })});
+  plot.marks.push_back({"resampled", "c2", stamps_when(report.steps, &StepRecord::resampled)});
+  plot.marks.push_back({"no particle fits", "c5", stamps_when(report.steps, &StepRecord::lost)});
   return plot;
 }
 
@@ -89,13 +89,13 @@ Plot health_plot(const RunReport& report, const std::vector<double>& stamps) {
   };
   mark("ambiguous", "c3", HealthState::ambiguous, 1);
   mark("lost", "c5", HealthState::lost, 2);
-  plot.marks.push_back({"searched", "c2", stamps_when(report.steps, [](auto& s) { return s.searched; })});
+  plot.marks.push_back({"searched", "c2", stamps_when(report.steps, &StepRecord::searched)});
   return plot;
 }
 
 Plot time_plot(const RunReport& report, const std::vector<double>& stamps) {
   Plot plot{"Time per step", "ms", PlotScale::automatic};
-  const std::vector<double> times = column(report.steps, [](auto& s) { return s.step_ms; });
+  const std::vector<double> times = column(report.steps, &StepRecord::step_ms);
   plot.series.push_back({"", "c1", stamps, times});
   std::vector<double> known;
   std::copy_if(times.begin(), times.end(), std::back_inserter(known), drawable);
@@ -109,9 +109,7 @@ Plot time_plot(const RunReport& report, const std::vector<double>& stamps) {
 std::vector<Plot> error_plots(const RunReport& report) {
   if (!report.errors || report.errors->compared == 0) return {};
   const TrackErrors& e = *report.errors;
-  const auto sigma = [&](double StepRecord::*value) {
-    return column(report.steps, [&](auto& s) { return s.*value; });
-  };
+  const auto sigma = [&](double StepRecord::*value) { return column(report.steps, value); };
   return {error_plot("Error in x", "m", e, e.x_error_m, report.steps, sigma(&StepRecord::sigma_x_m)),
           error_plot("Error in y", "m", e, e.y_error_m, report.steps, sigma(&StepRecord::sigma_y_m)),
           error_plot("Error in heading", "degrees", e, scaled(e.heading_error_rad, degrees_per_rad),
@@ -119,11 +117,11 @@ std::vector<Plot> error_plots(const RunReport& report) {
 }
 
 std::string plot_figures(const RunReport& report, const Axis& axis) {
-  const std::vector<double> stamps = column(report.steps, [](auto& s) { return s.stamp_s; });
-  const std::vector<double> sigma_x = column(report.steps, [](auto& s) { return s.sigma_x_m; });
-  const std::vector<double> sigma_y = column(report.steps, [](auto& s) { return s.sigma_y_m; });
+  const std::vector<double> stamps = column(report.steps, &StepRecord::stamp_s);
+  const std::vector<double> sigma_x = column(report.steps, &StepRecord::sigma_x_m);
+  const std::vector<double> sigma_y = column(report.steps, &StepRecord::sigma_y_m);
   const std::vector<double> sigma_theta =
-      scaled(column(report.steps, [](auto& s) { return s.sigma_theta_rad; }), degrees_per_rad);
+      scaled(column(report.steps, &StepRecord::sigma_theta_rad), degrees_per_rad);
   std::string html;
   if (report.errors) html += render_plot(position_plot(*report.errors), axis);
   for (const Plot& plot : error_plots(report)) html += render_plot(plot, axis);

@@ -1,4 +1,4 @@
-// The pieces that write_report() puts together.
+// The pieces that write_report() and the pages of other commands are put together from.
 #pragma once
 
 #include <cstddef>
@@ -53,5 +53,32 @@ std::vector<std::size_t> evenly_spaced(std::size_t count, std::size_t most);
 
 /// The pose at the time closest to `stamp_s`; null if the trajectory is empty.
 const StampedPose* nearest_pose(const Trajectory& trajectory, double stamp_s);
+
+// Marks over a map, as SVG in the pixels of its view. What cannot be drawn is left out.
+
+/// A <path>; empty without points.
+std::string svg_path(const std::string& classes, const std::string& d);
+
+struct PathDetail {
+  std::size_t most_points;
+  double least_px;  ///< Points that are closer than this to the one before are left out.
+};
+/// The points of a <path> along the poses. Poses that cannot be drawn break it.
+std::string track_path(const Trajectory& track, const MapView& view, const PathDetail& detail);
+
+/// The particles as dots, in three strengths by weight.
+std::string cloud(const Snapshot& snapshot, const MapView& view, const std::string& id);
+/// An arrow from the pose along its heading.
+std::string arrow(const Pose& pose, const MapView& view, double length_px);
+std::string dot(const std::string& classes, const Pose& pose, const MapView& view);
+
+/// Opens the group of what is drawn of one moment, for the script to show and to hide.
+std::string moment_group(const char* kind, double stamp_s, const Axis& axis, bool shown);
+/// Since the start of the axis, in its unit.
+std::string time_text(const Axis& axis, double stamp_s);
+
+/// From <!DOCTYPE> to the command that made the page. `style` is added to report_style().
+std::string page_head(const std::string& title, const std::string& date, const std::string& command,
+                      const char* style = "");
 
 }  // namespace parloc::tools

@@ -13,17 +13,12 @@
 #include "common/io/scan_stream.h"
 #include "common/math/quantile.h"
 #include "common/model/lidar.h"
-#include "tools/run/snapshots.h"
+#include "tools/report/even_sample.h"
+#include "tools/report/machine/statistics.h"
 #include "tools/run/tracker.h"
 
 namespace parloc::tools {
 namespace {
-
-using Clock = std::chrono::steady_clock;
-
-double seconds_since(Clock::time_point start) {
-  return std::chrono::duration<double>(Clock::now() - start).count();
-}
 
 /// With --strict: throws at the first thing that would else be counted and reported.
 class StrictCheck {
@@ -48,19 +43,14 @@ class StrictCheck {
   void check_step(const ParticleFilter& filter, std::size_t line) const {
     if (!strict_) return;
     const BeamCounts beams = filter.beam_counts();
-    const std::pair<const char*, std::size_t> counts[] = {{"NaN", beams.nan},
-                                                          {"infinite", beams.infinite},
-                                                          {"negative", beams.negative},
-                                                          {"zero", beams.zero},
-                                                          {"too short", beams.below_min}};
-    for (const auto& [what, count] : counts) {
-      if (count > 0)
-        throw input_error(log_name_, line, fmt::format("{} {} ranges in a scan (--strict)", count, what));
+    for (const RejectReason& reason : kRejectReasons) {
+      if (beams.*reason.count > 0)
+        throw input_error(
+            log_name_, line,
+            fmt::format("{} {} ranges in a scan (--strict)", beams.*reason.count, reason.strict));
     }
     if (filter.odometry_jumps() > 0) {
-      throw input_error(
-          log_name_, line,
-          fmt::format("odometry jumps by more than {} m (--strict)", filter.config().motion.max_jump_m));
+      throw input_error(log_name_, line, fmt::format("odometry jumps: no robot moves so (--strict)"));
     }
   }
 
@@ -104,6 +94,17 @@ Config filter_config(const LocalizeRequest& request) {
   return config;
 }
 
+/// The scan's points are the ends of the beams that hit something, seen from the estimate; map frame.
+Snapshot snapshot_of(const ParticleFilter& filter, const Pose& estimate, const Scan& scan) {
+  Snapshot snapshot{scan.stamp_s, estimate, filter.particles(Snapshot::max_particles), {}};
+  const double c = std::cos(estimate.theta_rad), s = std::sin(estimate.theta_rad);
+  for (const EndPoint& p : filter.end_points(scan)) {
+    snapshot.scan_points.push_back({static_cast<float>(estimate.x_m + c * p.x_m - s * p.y_m),
+                                    static_cast<float>(estimate.y_m + s * p.x_m + c * p.y_m)});
+  }
+  return snapshot;
+}
+
 /// Collects the run's results step by step.
 class Run {
  public:
@@ -139,7 +140,7 @@ class Run {
     ++result_.scans;
     earliest_s_ = std::min(earliest_s_, record.stamp_s);
     latest_s_ = std::max(latest_s_, record.stamp_s);
-    snapshots_.offer(filter(), estimate.pose, last_scan_);
+    snapshots_.offer([&] { return snapshot_of(filter(), estimate.pose, last_scan_); });
   }
 
   const ParticleFilter& filter() const { return tracker_.filter(); }
@@ -148,7 +149,8 @@ class Run {
   Localization finish(const LogWarnings& warnings) {
     result_.wall_s = seconds_since(begun_);
     result_.log_s = latest_s_ - earliest_s_;
-    if (result_.scans > 0) snapshots_.finish(filter(), result_.trajectory.back().pose, last_scan_);
+    if (result_.scans > 0)
+      snapshots_.finish([&] { return snapshot_of(filter(), result_.trajectory.back().pose, last_scan_); });
     result_.snapshots = snapshots_.take();
     result_.filter_steps = filter().steps();
     result_.odometry_jumps = filter().odometry_jumps();
@@ -164,12 +166,24 @@ class Run {
   Tracker tracker_;
   StartPose start_;
   Pose T_map_odometry_;
-  SnapshotKeeper snapshots_;
+  EvenSample<Snapshot> snapshots_{12};
   Scan last_scan_;
   Localization result_;
   double earliest_s_ = 0.0, latest_s_ = 0.0;
   Clock::time_point begun_;
 };
+
+std::string modes_text(const std::vector<Mode>& modes) {
+  constexpr std::size_t most = 4;
+  std::string text;
+  for (std::size_t i = 0; i < modes.size() && i < most; ++i) {
+    const Pose& p = modes[i].pose;
+    text += fmt::format("{}({:.2f} m, {:.2f} m, {:.2f} rad) with {:.0f} %", i == 0 ? "" : ", ", p.x_m, p.y_m,
+                        p.theta_rad, 100.0 * modes[i].weight);
+  }
+  if (modes.size() > most) text += fmt::format(" and {} more", modes.size() - most);
+  return text;
+}
 
 }  // namespace
 
@@ -227,6 +241,45 @@ StepTimes step_times(const std::vector<StepRecord>& steps) {
   for (std::size_t i = 1; i < steps.size(); ++i) ms.push_back(steps[i].step_ms);
   const std::vector<double> sorted = ascending(std::move(ms));
   return {median(sorted), nearest_rank(sorted, 99)};
+}
+
+std::optional<RunHealth> run_health(const Localization& run) {
+  if (run.steps.empty() || !run.steps.front().health) return std::nullopt;
+  RunHealth h;
+  HealthState before = run.steps.front().health->state;
+  for (const StepRecord& step : run.steps) {
+    const HealthState state = step.health->state;
+    ++h.scans;
+    ++(state == HealthState::tracking ? h.tracking : state == HealthState::ambiguous ? h.ambiguous : h.lost);
+    h.searches += step.searched ? 1 : 0;
+    if (state == HealthState::lost && before != HealthState::lost) h.lost_s.push_back(step.stamp_s);
+    before = state;
+  }
+  h.last = *run.steps.back().health;
+  h.modes = run.modes;
+  return h;
+}
+
+std::string health_text(const RunHealth& h) {
+  const auto percent = [&](std::size_t count) {
+    return 100.0 * static_cast<double>(count) / static_cast<double>(h.scans);
+  };
+  return fmt::format("tracking {:.1f} %, ambiguous {:.1f} %, lost {:.1f} % of the scans; searched {} time{}",
+                     percent(h.tracking), percent(h.ambiguous), percent(h.lost), h.searches,
+                     h.searches == 1 ? "" : "s");
+}
+
+std::string doubt_at_end(const Localization& run) {
+  const std::optional<RunHealth> h = run_health(run);
+  if (!h || h->last.state == HealthState::tracking) return "";
+  const std::string probability = fmt::format("with probability {:.2f}", h->last.probability);
+  if (h->last.state == HealthState::lost)
+    return fmt::format("LOST at the end: the scans do not fit the map there; right {}", probability);
+  if (h->modes.size() > 1)
+    return fmt::format("AMBIGUOUS at the end: {} places are possible: {}", h->modes.size(),
+                       modes_text(h->modes));
+  return fmt::format("AMBIGUOUS at the end: other places may explain the scans as well; right {}",
+                     probability);
 }
 
 }  // namespace parloc::tools

@@ -18,28 +18,22 @@
 #include "common/filter/filter_settings.h"
 #include "common/io/open_log.h"
 #include "common/map/map_reader.h"
-#include "tools/program/choice_option.h"
 #include "tools/program/commands.h"
-#include "tools/program/interrupt.h"
 #include "tools/program/output_folder.h"
 #include "tools/program/parse_number.h"
 #include "tools/program/progress.h"
-#include "tools/program/search_prior.h"
-#include "tools/program/text_option.h"
 #include "tools/report/report.h"
 #include "tools/run/localize_log.h"
-#include "tools/run/run_health.h"
 #include "tools/run/run_results.h"
 
 namespace parloc::tools {
 namespace {
 
 /// The command line; what was not given is empty.
-struct RunOptions {
+struct RunOptions : ConfigOptions {
   std::vector<std::string> init;
-  std::string map, log, truth, relations, config, near, heading, device, particles, beams, seed, threads;
+  std::string map, log, truth, relations, near, heading, particles;
   std::string out = "parloc_out";
-  std::optional<BackendChoice> backend;
   bool odometry_only = false, strict = false, json = false, quiet = false;
 };
 
@@ -66,30 +60,6 @@ void declare(CLI::App& app, RunOptions& o) {
   app.add_flag("--json", o.json, "Print the metrics alone, as JSON");
   app.add_flag("--quiet", o.quiet, "No progress and no summary");
   app.get_help_ptr()->group("");  // whoever reads the list knows it
-}
-
-/// The configuration file with the command line on top.
-Config effective_config(const RunOptions& o) {
-  Config config = o.config.empty() ? Config{} : read_config(o.config);
-  if (!o.particles.empty()) {  // a fixed number, whatever the file says
-    config.particles = parse_whole_number<std::int64_t>("--particles", o.particles);
-    config.min_particles = config.max_particles = 0;
-  }
-  if (!o.seed.empty()) config.seed = parse_whole_number<std::uint64_t>("--seed", o.seed);
-  if (!o.device.empty()) config.device = parse_whole_number<int>("--device", o.device);
-  if (!o.threads.empty()) config.threads = parse_whole_number<int>("--threads", o.threads);
-  if (!o.beams.empty()) {
-    config.scan.max_beams = parse_whole_number<int>("--beams", o.beams);
-    config.scan.min_beams =
-        std::min(config.scan.min_beams, config.scan.max_beams);  // so few are meant to be used
-  }
-  if (o.backend) config.backend = *o.backend;
-  try {
-    validate(config);
-  } catch (const Error& e) {  // a file is sound by now, so it is the command line
-    throw Error(ErrorKind::usage, e.what());
-  }
-  return config;
 }
 
 /// Where it starts, as far as the command line says so.
@@ -140,7 +110,11 @@ void write_results(OutputFolder& out, const RunResults& results, const GridMap& 
 int run(const RunOptions& o, const std::string& typed) {
   // Everything that can be wrong is looked at before the long work.
   LocalizeRequest request;
-  request.config = effective_config(o);
+  request.config = effective_config(o, [&](Config& config) {
+    if (o.particles.empty()) return;  // a fixed number, whatever the file says
+    config.particles = parse_whole_number<std::int64_t>("--particles", o.particles);
+    config.min_particles = config.max_particles = 0;
+  });
   request.log_name = o.log;
   request.strict = o.strict;
   request.odometry_only = o.odometry_only;
@@ -155,7 +129,7 @@ int run(const RunOptions& o, const std::string& typed) {
   RunResults results{o.map, o.log, o.truth, o.relations, typed, start_text(o), {}, {}, {}, {}, {}, {}};
   catch_interrupts();
   {
-    Progress progress(Progress::style_here(o.quiet));
+    Progress progress(o.quiet);
     request.progress = [&](double fraction, std::size_t scans) {
       progress.update(fraction, fmt::format("{} scans", scans));
     };
@@ -190,11 +164,8 @@ int run(const RunOptions& o, const std::string& typed) {
 
 }  // namespace
 
-Command add_run_command(CLI::App& program, const std::string& typed) {
-  CLI::App* app = program.add_subcommand("run", "Localize a log on a map");
-  const auto options = std::make_shared<RunOptions>();
-  declare(*app, *options);
-  return {app, [options, typed] { return run(*options, typed); }};
+Command add_run_command(CLI::App& program) {
+  return add_command<RunOptions>(program, "run", "Localize a log on a map", declare, run);
 }
 
 }  // namespace parloc::tools

@@ -4,7 +4,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <nlohmann/json.hpp>
 #include <numbers>
 #include <optional>
 #include <string>
@@ -12,15 +11,11 @@
 #include <vector>
 
 #include "common/config/config.h"
-#include "tools/report/config_facts.h"
-#include "tools/report/machine/machine_json.h"
-#include "tools/report/relation_facts.h"
-#include "tools/run/run_health.h"
+#include "tools/report/result_parts.h"
+#include "tools/run/localize_log.h"
 
 namespace parloc::tools {
 namespace {
-
-using Json = nlohmann::ordered_json;
 
 constexpr double kDegrees = 180.0 / std::numbers::pi;
 
@@ -67,12 +62,10 @@ std::vector<std::pair<const char*, std::size_t>> counted(const Localization& run
           {"lost_steps", run.lost_steps}};
 }
 
-std::vector<std::pair<const char*, std::size_t>> rejected(const BeamCounts& beams) {
-  return {{"nan", beams.nan},
-          {"infinite", beams.infinite},
-          {"negative", beams.negative},
-          {"zero", beams.zero},
-          {"below_min", beams.below_min}};
+Json rejected_json(const BeamCounts& beams) {
+  Json json;
+  for (const RejectReason& reason : kRejectReasons) json[reason.key] = beams.*reason.count;
+  return json;
 }
 
 /// Null for a run that was not judged.
@@ -108,7 +101,7 @@ Json lidar_json(const LidarUse& lidar) {
             {"beams_considered", lidar.beams.considered},
             {"beams_used", lidar.beams.used},
             {"beams_without_return", lidar.beams.misses}};
-  for (const auto& [reason, count] : rejected(lidar.beams)) json["beams_rejected"][reason] = count;
+  json["beams_rejected"] = rejected_json(lidar.beams);
   return json;
 }
 
@@ -143,14 +136,10 @@ std::string particles_text(const Localization& run) {
 
 /// "12 NaN, 3 zero"; empty without any.
 std::string rejected_text(const BeamCounts& beams) {
-  const std::pair<const char*, std::size_t> reasons[] = {{"NaN", beams.nan},
-                                                         {"-infinity", beams.infinite},
-                                                         {"negative", beams.negative},
-                                                         {"zero", beams.zero},
-                                                         {"below the minimum", beams.below_min}};
   std::string text;
-  for (const auto& [reason, count] : reasons) {
-    if (count > 0) text += fmt::format("{}{} {}", text.empty() ? "" : ", ", count, reason);
+  for (const RejectReason& reason : kRejectReasons) {
+    if (const std::size_t count = beams.*reason.count; count > 0)
+      text += fmt::format("{}{} {}", text.empty() ? "" : ", ", count, reason.summary);
   }
   return text;
 }
@@ -223,8 +212,8 @@ std::string spread_text(const Localization& run) {
 Facts main_facts(const RunResults& results) {
   const Localization& run = results.run;
   Facts facts;
-  facts.push_back({"scans", fmt::format("{}{}{}", run.scans, run.odometry_only ? ", none used" : "",
-                                        run.interrupted ? " (interrupted)" : "")});
+  add_fact(facts, "scans", "{}{}{}", run.scans, run.odometry_only ? ", none used" : "",
+           run.interrupted ? " (interrupted)" : "");
   if (results.errors && results.errors->compared > 0) {
     facts.push_back({"position error", position_text(*results.errors)});
     facts.push_back({"heading error", heading_text(*results.errors)});
@@ -235,7 +224,7 @@ Facts main_facts(const RunResults& results) {
   }
   if (run.odometry_only) facts.push_back({"spread", spread_text(run)});
   if (results.errors && results.errors->without_truth > 0) {
-    facts.push_back({"no truth for", fmt::format("{} scans", results.errors->without_truth)});
+    add_fact(facts, "no truth for", "{} scans", results.errors->without_truth);
   }
   if (const std::optional<RunHealth> health = run_health(run))
     facts.push_back({"health", health_text(*health)});
@@ -304,7 +293,7 @@ std::string metrics_json(const RunResults& results) {
   json["beams_considered"] = run.beams.considered;
   json["beams_used"] = run.beams.used;
   json["beams_without_return"] = run.beams.misses;
-  for (const auto& [reason, count] : rejected(run.beams)) json["beams_rejected"][reason] = count;
+  json["beams_rejected"] = rejected_json(run.beams);
   for (const LidarUse& lidar : run.lidars) json["lidars"].push_back(lidar_json(lidar));
   for (const auto& [what, count] : counted(run)) json["warnings"][what] = count;
   json["warnings"]["messages"] = run.warnings.messages;
@@ -313,7 +302,7 @@ std::string metrics_json(const RunResults& results) {
   json["digest"] = run.digest;
   json["map"] = results.map_path;
   json["log"] = results.log_path;
-  json["truth"] = results.truth_path.empty() ? Json(nullptr) : Json(results.truth_path);
+  json["truth"] = text_or_null(results.truth_path);
   json["init"] = results.init;
   json["command"] = results.command_line;
   json["config"] = config_json(run.config);
@@ -350,8 +339,7 @@ std::string run_summary(const RunResults& results) {
   const std::vector<std::string> warnings = warning_lines(results.run);
   constexpr std::size_t most = 8;
   for (std::size_t i = 0; i < warnings.size() && i < most; ++i) facts.push_back({"warning", warnings[i]});
-  if (warnings.size() > most)
-    facts.push_back({"warning", fmt::format("{} more in metrics.json", warnings.size() - most)});
+  if (warnings.size() > most) add_fact(facts, "warning", "{} more in metrics.json", warnings.size() - most);
   return aligned_text(facts, 16);
 }
 

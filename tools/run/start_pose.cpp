@@ -6,33 +6,28 @@
 #include <charconv>
 #include <cmath>
 #include <limits>
-#include <string_view>
 #include <system_error>
 #include <vector>
 
 #include "common/config/config.h"
 #include "common/error.h"
+#include "tools/program/parse_number.h"
 
 namespace parloc::tools {
 namespace {
 
 std::vector<double> parse_numbers(const std::string& text) {
   std::vector<double> numbers;
-  std::string_view rest = text;
-  for (;;) {
-    const std::size_t comma = rest.find(',');
-    std::string_view word = rest.substr(0, comma);
-    if (word.size() > 1 && word[0] == '+' && word[1] != '-')
-      word.remove_prefix(1);  // from_chars knows no '+'
+  for (std::string word : split_at_commas(text)) {
+    if (word.size() > 1 && word[0] == '+' && word[1] != '-') word.erase(0, 1);  // from_chars knows no '+'
     double value = 0.0;
     const auto [end, status] = std::from_chars(word.data(), word.data() + word.size(), value);
     if (status != std::errc() || end != word.data() + word.size() || !std::isfinite(value)) {
       throw Error(ErrorKind::usage, fmt::format("--init {}: expected finite numbers, got '{}'", text, word));
     }
     numbers.push_back(value);
-    if (comma == std::string_view::npos) return numbers;
-    rest.remove_prefix(comma + 1);
   }
+  return numbers;
 }
 
 }  // namespace

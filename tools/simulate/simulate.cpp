@@ -16,11 +16,9 @@
 #include "common/simulator/scenario.h"
 #include "common/simulator/simulator.h"
 #include "tools/program/commands.h"
-#include "tools/program/interrupt.h"
 #include "tools/program/output_folder.h"
 #include "tools/program/parse_number.h"
 #include "tools/program/progress.h"
-#include "tools/program/text_option.h"
 
 namespace parloc::tools {
 namespace {
@@ -58,7 +56,7 @@ Scenario effective_scenario(const SimulateOptions& o) {
 }
 
 SimulatedLog simulate_with_progress(const Scenario& scenario, const GridMap& map, bool quiet) {
-  Progress progress(Progress::style_here(quiet));
+  Progress progress(quiet);
   return simulate(scenario, map, [&](double fraction) {
     progress.update(fraction);
     return !interrupted();
@@ -92,7 +90,7 @@ void print_unsaid(const Scenario& scenario) {
   }
 }
 
-int run(const SimulateOptions& o) {
+int run(const SimulateOptions& o, const std::string&) {
   const Scenario scenario = effective_scenario(o);
   const GridMap map = read_map(scenario.map_path);
   OutputFolder out(o.out, {"scans.log", "truth.tum"});
@@ -123,10 +121,8 @@ int run(const SimulateOptions& o) {
 }  // namespace
 
 Command add_simulate_command(CLI::App& program) {
-  CLI::App* app = program.add_subcommand("simulate", "Make a log with exact truth from a map and a path");
-  const auto options = std::make_shared<SimulateOptions>();
-  declare(*app, *options);
-  return {app, [options] { return run(*options); }};
+  return add_command<SimulateOptions>(program, "simulate",
+                                      "Make a log with exact truth from a map and a path", declare, run);
 }
 
 }  // namespace parloc::tools

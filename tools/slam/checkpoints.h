@@ -6,12 +6,28 @@
 #include <string>
 #include <vector>
 
+#include "common/io/log.h"
+#include "common/math/sha256.h"
 #include "tools/report/even_sample.h"
-#include "tools/slam/digested_log.h"
 #include "tools/slam/map_log.h"
 #include "tools/slam/map_position.h"
 
 namespace parloc::tools::slam {
+
+/// Passes another log's records on, and digests them: what a run depends on, not how the file spells it.
+class DigestedLog final : public LogReader {
+ public:
+  explicit DigestedLog(LogReader& log) : log_(log) {}
+  bool next(LogRecord& record) override;
+  const LogWarnings& warnings() const override { return log_.warnings(); }
+  double progress() const override { return log_.progress(); }
+  /// Of all records so far, in hexadecimal.
+  std::string digest() const { return sha_.hex(); }
+
+ private:
+  LogReader& log_;
+  Sha256 sha_;
+};
 
 class Checkpoints {
  public:

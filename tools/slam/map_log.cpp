@@ -1,24 +1,18 @@
 #include "tools/slam/map_log.h"
 
 #include <algorithm>
-#include <chrono>
 #include <limits>
 #include <utility>
 
 #include "common/error.h"
 #include "common/io/scan_stream.h"
 #include "tools/report/even_sample.h"
-#include "tools/report/machine/peak_memory.h"
+#include "tools/report/machine/machine.h"
+#include "tools/report/machine/statistics.h"
 #include "tools/slam/checkpoints.h"
 
 namespace parloc::tools::slam {
 namespace {
-
-using Clock = std::chrono::steady_clock;
-
-double seconds_since(Clock::time_point start) {
-  return std::chrono::duration<double>(Clock::now() - start).count();
-}
 
 struct Stopped {};
 

@@ -15,7 +15,7 @@
 #include "common/model/lidar.h"
 #include "common/slam/grid_slam.h"
 #include "tools/slam/growth.h"
-#include "tools/slam/scan_times.h"
+#include "tools/slam/log_oddities.h"
 
 namespace parloc::tools::slam {
 

@@ -4,21 +4,16 @@
 
 #include <algorithm>
 #include <limits>
-#include <nlohmann/json.hpp>
 #include <numbers>
 
 #include "common/eval/align.h"
 #include "common/slam/matching/tiles.h"
-#include "tools/report/config_facts.h"
-#include "tools/report/machine/machine_json.h"
 #include "tools/report/machine/statistics.h"
-#include "tools/report/relation_facts.h"
-#include "tools/slam/odometry_choice.h"
+#include "tools/report/result_parts.h"
+#include "tools/slam/log_oddities.h"
 
 namespace parloc::tools::slam {
 namespace {
-
-using Json = nlohmann::ordered_json;
 
 constexpr double kMiB = 1024.0 * 1024.0, kDegrees = 180.0 / std::numbers::pi;
 
@@ -74,22 +69,20 @@ Json loops_json(const std::optional<LoopCounts>& c) {
 Facts main_facts(const SlamResults& results) {
   const Mapping& m = results.mapping;
   Facts facts;
-  facts.push_back(
-      {"scans", fmt::format("{} read, {} taken in{}{}", m.scans, m.records.size(),
-                            m.resumed_at > 0 ? fmt::format(", resumed after {}", m.resumed_at) : "",
-                            m.interrupted ? " (interrupted)" : "")});
-  facts.push_back(
-      {"map", fmt::format("{} x {} cells of {} m", m.map.width, m.map.height, m.map.resolution_m)});
+  add_fact(facts, "scans", "{} read, {} taken in{}{}", m.scans, m.records.size(),
+           m.resumed_at > 0 ? fmt::format(", resumed after {}", m.resumed_at) : "",
+           m.interrupted ? " (interrupted)" : "");
+  add_fact(facts, "map", "{} x {} cells of {} m", m.map.width, m.map.height, m.map.resolution_m);
   if (results.relations && results.relations->compared > 0)
     facts.push_back({"relation error", tools::relations_text(*results.relations)});
-  facts.push_back({"particles", fmt::format("{}, resampled {} times; {}", m.config.slam.particles,
-                                            resampled(m.records), depletion_text(m))});
+  add_fact(facts, "particles", "{}, resampled {} times; {}", m.config.slam.particles, resampled(m.records),
+           depletion_text(m));
   if (m.scan_odometry) facts.push_back({"odometry", odometry_text(*m.scan_odometry)});
   if (m.loops) facts.push_back({"loops", loops_text(*m.loops)});
   if (m.interrupted && m.config.slam.close_loops) facts.push_back({"loops", "left open by the interruption"});
   facts.push_back({"memory", memory_text(m)});
-  facts.push_back({"time", fmt::format("{:.2f} s for {:.2f} s of log ({:.1f} times real time)", m.wall_s,
-                                       m.log_s, m.real_time_factor())});
+  add_fact(facts, "time", "{:.2f} s for {:.2f} s of log ({:.1f} times real time)", m.wall_s, m.log_s,
+           m.real_time_factor());
   facts.push_back({"backend", m.backend});
   facts.push_back({"digest", m.digest});
   return facts;
@@ -122,13 +115,13 @@ Json memory_json(const Mapping& m) {
           {"most_tile_bytes", memory.most_tile_bytes},
           {"table_bytes", memory.table_bytes},
           {"sub_map_bytes", memory.sub_map_bytes},
-          {"resident_bytes", m.resident_bytes ? Json(*m.resident_bytes) : Json(nullptr)}};
+          {"resident_bytes", json_of(m.resident_bytes)}};
 }
 
 Json truth_json(const std::optional<TrackErrors>& errors) {
   if (!errors) return nullptr;
   const bool known = errors->compared > 0;
-  const auto value = [&](double v) { return known ? Json(v) : Json(nullptr); };
+  const auto value = [&](double v) { return json_if(known, v); };
   return {{"compared", errors->compared},
           {"without_truth", errors->without_truth},
           {"position_rmse_m", value(errors->position_rmse_m)},
@@ -271,10 +264,9 @@ RunReport report_of(const SlamResults& results) {
 std::string summary_text(const SlamResults& results) {
   Facts facts = main_facts(results);
   if (results.errors && results.errors->compared > 0)
-    facts.push_back(
-        {"error", fmt::format("{:.3f} m and {:.2f} degrees RMSE after alignment, from {} poses",
-                              results.errors->position_rmse_m, kDegrees * results.errors->heading_rmse_rad,
-                              results.errors->compared)});
+    add_fact(facts, "error", "{:.3f} m and {:.2f} degrees RMSE after alignment, from {} poses",
+             results.errors->position_rmse_m, kDegrees * results.errors->heading_rmse_rad,
+             results.errors->compared);
   for (const std::string& line : warning_lines(results)) facts.push_back({"warning", line});
   return aligned_text(facts, 16);
 }

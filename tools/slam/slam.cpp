@@ -16,26 +16,22 @@
 #include "common/io/open_log.h"
 #include "common/map/map_reader.h"
 #include "common/slam/slam_settings.h"
-#include "tools/program/choice_option.h"
 #include "tools/program/commands.h"
-#include "tools/program/interrupt.h"
 #include "tools/program/output_folder.h"
 #include "tools/program/parse_number.h"
 #include "tools/program/progress.h"
-#include "tools/program/text_option.h"
 #include "tools/report/live_picture.h"
 #include "tools/report/report.h"
-#include "tools/slam/odometry_choice.h"
+#include "tools/slam/log_oddities.h"
 #include "tools/slam/results.h"
 
 namespace parloc::tools {
 namespace {
 
 /// The command line; what was not given is empty.
-struct SlamOptions {
-  std::string log, config, truth, relations, particles, seed, threads, out, resume, every;
+struct SlamOptions : ConfigOptions {
+  std::string log, truth, relations, particles, out, resume, every;
   std::optional<SlamProposal> proposal;
-  std::optional<BackendChoice> backend;
   bool live = false, json = false, quiet = false;
 };
 
@@ -59,21 +55,14 @@ void declare(CLI::App& app, SlamOptions& o) {
   app.get_help_ptr()->group("");  // whoever reads the list knows it
 }
 
-/// The configuration file with the command line on top.
-Config effective_config(const SlamOptions& o, const Config& base) {
-  Config config = o.config.empty() ? base : read_config(o.config, base);
-  if (!o.particles.empty())
-    config.slam.particles = parse_whole_number<std::int64_t>("--particles", o.particles);
-  if (!o.seed.empty()) config.seed = parse_whole_number<std::uint64_t>("--seed", o.seed);
-  if (!o.threads.empty()) config.threads = parse_whole_number<int>("--threads", o.threads);
-  if (o.proposal) config.slam.proposal = *o.proposal;
-  if (o.backend) config.backend = *o.backend;
-  try {
-    validate(config);
-  } catch (const Error& e) {  // a file is sound by now, so it is the command line
-    throw Error(ErrorKind::usage, e.what());
-  }
-  return config;
+/// The configuration file over `base`, with the command line on top.
+Config slam_config(const SlamOptions& o, const Config& base) {
+  const auto change = [&](Config& config) {
+    if (!o.particles.empty())
+      config.slam.particles = parse_whole_number<std::int64_t>("--particles", o.particles);
+    if (o.proposal) config.slam.proposal = *o.proposal;
+  };
+  return effective_config(o, change, base);
 }
 
 constexpr const char* kMap = "map.yaml";
@@ -96,7 +85,7 @@ std::string checkpoint_path(const SlamOptions& o) {
 /// The checkpoint's settings hold; what is given besides must not contradict them, but for where the work is
 /// done.
 Config resumed_config(const SlamOptions& o, SlamCheckpoint& checkpoint) {
-  const Config config = effective_config(o, config_of(checkpoint.config));
+  const Config config = slam_config(o, config_of(checkpoint.config));
   const std::string change = config_difference(checkpoint.config, grid_slam_config(config));
   if (!change.empty())
     throw Error(ErrorKind::usage, fmt::format("--resume: {}: {}", checkpoint.name(), change));
@@ -135,7 +124,7 @@ int run(const SlamOptions& o, const std::string& typed) {
   slam::MapRequest request;
   std::optional<SlamCheckpoint> checkpoint;
   if (!o.resume.empty()) checkpoint.emplace(checkpoint_path(o));
-  request.config = checkpoint ? resumed_config(o, *checkpoint) : effective_config(o, Config{});
+  request.config = checkpoint ? resumed_config(o, *checkpoint) : slam_config(o, Config{});
   request.resume = checkpoint ? &*checkpoint : nullptr;
   request.checkpoint_every_s = o.every.empty() ? 60.0 : parse_number("--checkpoint-every", o.every, 0.0, 1e6);
   request.log_name = o.log;
@@ -154,10 +143,10 @@ int run(const SlamOptions& o, const std::string& typed) {
   slam::SlamResults results{o.log, o.relations, o.truth, typed, {}, {}, {}, {}};
   catch_interrupts();
   {
-    Progress progress(Progress::style_here(o.quiet));
+    Progress progress(o.quiet);
     std::optional<Progress> closing;
     request.closing = [&](double fraction) {
-      if (!closing) closing.emplace(Progress::style_here(o.quiet));
+      if (!closing) closing.emplace(o.quiet);
       closing->update(fraction, "closing loops");
     };
     request.progress = [&](double fraction, std::size_t scans) {
@@ -192,11 +181,8 @@ int run(const SlamOptions& o, const std::string& typed) {
 
 }  // namespace
 
-Command add_slam_command(CLI::App& program, const std::string& typed) {
-  CLI::App* app = program.add_subcommand("slam", "Make a map from a log");
-  const auto options = std::make_shared<SlamOptions>();
-  declare(*app, *options);
-  return {app, [options, typed] { return run(*options, typed); }};
+Command add_slam_command(CLI::App& program) {
+  return add_command<SlamOptions>(program, "slam", "Make a map from a log", declare, run);
 }
 
 }  // namespace parloc::tools

@@ -7,11 +7,12 @@
 Every run has one thread and is deterministic, so the errors are the same for any --jobs and on any machine.
 """
 
+import itertools
 import math
 import sys
-from functools import partial
 
 import measuring
+from logs import RECORDED
 from measuring import JOBS, LOGS_FOLDER, ROOT, Failure, count, option
 from pages import average, circumstances_text, first_lines, share_of, study, table, table_of_groups, where, within, worst
 from runs import common_values, files_of, localize, rms, simulate
@@ -22,22 +23,22 @@ SETTLING_S = 1.0  # the maximum counts from here on
 PAPER_BARS = {"mean_m": 0.015, "max_settled_m": 0.06, "heading_rmse_deg": 0.6}
 
 SLOW_RAD_S = 0.02  # below this yaw rate the interpolated truth of tb3_house is good in heading
-# Name: folder under --data, or None for the logs that ship in maps/logs; map; bars.
-LOGS = {
-    "intel": ("intel", "map.yaml", {"mean_m": 0.080, "max_m": 0.35, "relation_m": 0.045}),
-    "aces": ("aces", "map.yaml", {"mean_m": 0.075, "max_m": 0.40, "relation_m": 0.050}),
-    "tb3_house": ("tb3_house", "map_05.yaml", {"rmse_m": 0.03, "heading_rmse_deg": 1.25, "heading_rmse_slow_deg": 0.8}),
-    "malaga_corridor": (None, "maps/malaga_corridor.yaml", {}),
-    "malaga_faculty": (None, "maps/malaga_faculty.yaml", {}),
+LOG_BARS = {
+    "intel": {"mean_m": 0.080, "max_m": 0.35, "relation_m": 0.045},
+    "aces": {"mean_m": 0.075, "max_m": 0.40, "relation_m": 0.050},
+    "tb3_house": {"rmse_m": 0.03, "heading_rmse_deg": 1.25, "heading_rmse_slow_deg": 0.8},
+    "malaga_corridor": {},
+    "malaga_faculty": {},
 }
 
 
 # ---- The paper's experiment --------------------------------------------------------------------------------------------
 
 
-def paper_run(bench, log, particles, beams, seed):
+def paper_run(bench, particles, beams, seed):
+    files = files_of(PAPER_MAP, bench.folder / f"log_{seed}")
     metrics, errors, _ = localize(bench, f"{particles}x{beams}_{seed}", seed, [
-        *files_of(PAPER_MAP, log), "--config", PAPER_CONFIG, "--particles", particles, "--beams", beams])
+        *files, "--config", PAPER_CONFIG, "--particles", particles, "--beams", beams])
     settled = [e[1] for e in errors if e[0] >= errors[0][0] + SETTLING_S]
     values = {"particles": particles, "beams": beams, "seed": seed, **common_values(metrics), "max_settled_m": max(settled)}
     config = metrics["config"]
@@ -59,46 +60,39 @@ def paper_table(runs):
         "worst heading RMSE": worst("heading_rmse_deg", 3), "runs within all bars": good_text})
 
 
-PAPER_TEXT = """
+def paper_page(record):
+    runs, config = record["runs"], record["config"]
+    title = f"The experiment of Paz et al. 2012: 15 configurations, {len({run['seed'] for run in runs})} seeds"
+    return f"""{first_lines(title, record)}
 Position errors in cm, heading errors in degrees. "Worst" is the worst of the seeds.
 
-{table}
+{paper_table(runs)}
 
-Bars: mean position error at most {mean:.1f} cm, never more than {max:.0f} cm after the first second, heading RMSE at most {heading}
+Bars: mean position error at most {100 * PAPER_BARS["mean_m"]:.1f} cm, never more than {100 * PAPER_BARS["max_settled_m"]:.0f} cm after the first second, heading RMSE at most {PAPER_BARS["heading_rmse_deg"]}
 degrees; in every run.
 
 ## What is measured
 
-- A log per seed: `parloc simulate --scenario {scenario} --seed S`, a 17 m path with stops to turn in a map
+- A log per seed: `parloc simulate --scenario {PAPER_SCENARIO} --seed S`, a 17 m path with stops to turn in a map
   of 20 x 10 m. Rays are cast in the 1 cm map, the filter gets the 5 cm one ([the simulator](../simulator.md)).
-- On it, per configuration: `parloc run --map {map} --config {config} --particles N --beams B --seed S
+- On it, per configuration: `parloc run --map {PAPER_MAP} --config {PAPER_CONFIG} --particles N --beams B --seed S
   --log LOG --truth TRUTH --threads 1 --json`. The filter starts at the true pose with a spread of
-  {spread_m} m and {spread_rad} rad.
+  {config["initial_sigma_xy"]} m and {config["initial_sigma_theta"]} rad.
 - An error is the distance, or the heading's difference, between the reported pose and the true one at the stamp of a scan. The
   mean and the RMSE are over all scans of a run, the first second included.
-- The configuration is [{config}](../../{config}); its sensor model is `{model}`, sigma {sigma} m,
-  tempering {tempering}. [How it was chosen](README.md#how-the-configuration-of-the-papers-experiment-was-chosen). The JSON file has every value of
+- The configuration is [{PAPER_CONFIG}](../../{PAPER_CONFIG}); its sensor model is `{config["sensor"]["model"]}`, sigma {config["sensor"]["sigma_hit"]} m,
+  tempering {config["sensor"]["tempering"]}. [How it was chosen](README.md#how-the-configuration-of-the-papers-experiment-was-chosen). The JSON file has every value of
   it, and every run with the digest of its particles.
-"""  # noqa: E501
 
-
-def paper_page(record):
-    config = record["config"]
-    seeds = len({run["seed"] for run in record["runs"]})
-    return first_lines(f"The experiment of Paz et al. 2012: 15 configurations, {seeds} seeds", record) + PAPER_TEXT.format(
-        table=paper_table(record["runs"]), mean=100 * PAPER_BARS["mean_m"], max=100 * PAPER_BARS["max_settled_m"],
-        heading=PAPER_BARS["heading_rmse_deg"], scenario=PAPER_SCENARIO, map=PAPER_MAP, config=PAPER_CONFIG,
-        spread_m=config["initial_sigma_xy"], spread_rad=config["initial_sigma_theta"], model=config["sensor"]["model"],
-        sigma=config["sensor"]["sigma_hit"], tempering=config["sensor"]["tempering"]) + "\n" + circumstances_text(record)
+{circumstances_text(record)}"""  # noqa: E501
 
 
 def paper(bench):
     """the experiment of Paz et al. 2012"""
     seeds = range(1, bench.args.seeds + 1)
-    logs_of = {seed: simulate(bench, PAPER_SCENARIO, seed, f"log_{seed}")[0] for seed in seeds}
-    tasks = {(n, b, seed): partial(paper_run, bench, logs_of[seed], n, b, seed)
-             for n in PARTICLES for b in BEAMS for seed in seeds}
-    return study(bench, "paz2012_accuracy", tasks, lambda key, run: (
+    for seed in seeds:
+        simulate(bench, PAPER_SCENARIO, seed, f"log_{seed}")
+    return study(bench, "paz2012_accuracy", paper_run, list(itertools.product(PARTICLES, BEAMS, seeds)), lambda key, run: (
         f"{key[0]} particles x {key[1]} beams, seed {key[2]}: mean {100 * run['mean_m']:.2f} cm, maximum "
         f"{100 * run['max_settled_m']:.2f} cm, heading {run['heading_rmse_deg']:.3f} deg"
         f"{'' if run['within_bars'] else '  MISSED'}"), paper_page, what="paper", bars=PAPER_BARS)
@@ -109,14 +103,13 @@ def paper(bench):
 
 def log_files(name, data):
     """Options of `parloc run` for one log."""
-    folder, grid, _ = LOGS[name]
-    if folder is None:
-        files = {"--map": ROOT / grid, "--log": ROOT / f"maps/logs/{name}.log.gz", "--truth": ROOT / f"maps/logs/{name}.tum"}
+    home, shipped = data / name, ROOT / "maps/logs"
+    if name in RECORDED:
+        files = {"--map": home / RECORDED[name], "--log": home / "scans.log", "--truth": home / "reference.tum"}
     else:
-        home = data / folder
-        files = {"--map": home / grid, "--log": home / "scans.log", "--truth": home / "reference.tum"}
-        if "relation_m" in LOGS[name][2]:
-            files["--relations"] = home / "relations.txt"
+        files = {"--map": ROOT / f"maps/{name}.yaml", "--log": shipped / f"{name}.log.gz", "--truth": shipped / f"{name}.tum"}
+    if "relation_m" in LOG_BARS[name]:
+        files["--relations"] = home / "relations.txt"
     for path in files.values():
         if not path.is_file():
             raise Failure(2, f"{path}: not found; give the folder of the real logs with --data or PARLOC_DATA, or --shipped "
@@ -124,14 +117,14 @@ def log_files(name, data):
     return [part for option in files.items() for part in option]
 
 
-def log_run(bench, files, name, seed):
-    metrics, errors, truth = localize(bench, f"{name}_{seed}", seed, files)
+def log_run(bench, name, seed):
+    metrics, errors, truth = localize(bench, f"{name}_{seed}", seed, log_files(name, bench.args.data))
     values = {"log": name, "seed": seed, **common_values(metrics)}
     if metrics["relations"]:
         values["relation_m"] = metrics["relations"]["translation_mean_m"]
         values["relation_std_m"] = metrics["relations"]["translation_std_m"]
         values["relations"] = metrics["relations"]["compared"]
-    bars = LOGS[name][2]
+    bars = LOG_BARS[name]
     if "heading_rmse_slow_deg" in bars:
         rates = [truth.yaw_rate(e[0]) for e in errors]
         slow = [e[2] for e, rate in zip(errors, rates, strict=True) if rate is not None and abs(rate) < SLOW_RAD_S]
@@ -157,22 +150,27 @@ def log_tables(runs):
     header = [title for _, title, _ in LOG_COLUMNS]
     worst_rows = []
     for name in dict.fromkeys(run["log"] for run in runs):
-        group, bars = where(runs, log=name), LOGS[name][2]
+        group, bars = where(runs, log=name), LOG_BARS[name]
         worsts = {key: max(run[key] for run in group) for key, _, _ in LOG_COLUMNS if key in group[0]}
         worst_rows.append((name, *log_cells(worsts, bars), good_text(group) if bars else "no bars"))
     all_rows = [(run["log"], str(run["seed"]), *log_cells(run, {})) for run in runs]
     return (table(("log", *header, "runs within all bars"), worst_rows), table(("log", "seed", *header), all_rows))
 
 
-LOG_TEXT = """
-The default configuration, unchanged, for every log: sensor model `{model}`, {particles} particles, {beams} beams. The worst of
-{seeds} seeds, and in brackets the bar:
+def logs_page(record):
+    runs, config = record["runs"], record["config"]
+    worst_of_each, every = log_tables(runs)
+    relations = {run["log"]: run["relations"] for run in runs if "relations" in run}
+    slow = next((run["slow_scans"] for run in runs if "slow_scans" in run), None)
+    return f"""{first_lines("Real logs, known start, default configuration", record)}
+The default configuration, unchanged, for every log: sensor model `{config["sensor"]["model"]}`, {config["particles"]} particles, {config["scan"]["max_beams"]} beams. The worst of
+{len({run["seed"] for run in runs})} seeds, and in brackets the bar:
 
-{worst}
+{worst_of_each}
 
 ## Every run
 
-{all}
+{every}
 
 ## What is measured
 
@@ -180,8 +178,8 @@ The default configuration, unchanged, for every log: sensor model `{model}`, {pa
   start is the truth's pose at the first scan, with the default spread. tb3_house runs on `map_05`.
 - Mean, maximum and RMSE are over every scan: the distance between the reported pose and the truth at the stamp of the scan.
 - The relation error (Kuemmerle et al. 2009) compares the motion between two scans with verified relations, and needs no global
-  truth: the mean over {relations}.
-- "Hardly turning" is where the truth turns by less than {slow} rad/s{slow_scans}. The truth of tb3_house has one row per second;
+  truth: the mean over {" and ".join(f"{count} relations of {log}" for log, count in relations.items()) or "all relations"}.
+- "Hardly turning" is where the truth turns by less than {SLOW_RAD_S} rad/s{f" ({slow} of the scans)" if slow else ""}. The truth of tb3_house has one row per second;
   while the robot turns, a pose between two rows is itself wrong by about a degree.
 
 ## How good the truths are
@@ -192,31 +190,20 @@ The default configuration, unchanged, for every log: sensor model `{model}`, {pa
 - malaga_*: nobody surveyed these drives. The reference is every scan laid on the map, good to 2 to 3 cm and 0.1 degrees within the
   map. **The faculty's map holds the very scans that are localized on it**: an error measured there is flattering. The corridor's
   map is from the day before. [maps/logs/README.md](../../maps/logs/README.md) says more.
-"""  # noqa: E501
 
-
-def logs_page(record):
-    runs, config = record["runs"], record["config"]
-    worst_of_each, every = log_tables(runs)
-    relations = {run["log"]: run["relations"] for run in runs if "relations" in run}
-    slow = next((run["slow_scans"] for run in runs if "slow_scans" in run), None)
-    return first_lines("Real logs, known start, default configuration", record) + LOG_TEXT.format(
-        model=config["sensor"]["model"], particles=config["particles"], beams=config["scan"]["max_beams"],
-        seeds=len({run["seed"] for run in runs}), worst=worst_of_each, all=every, slow=SLOW_RAD_S,
-        relations=" and ".join(f"{count} relations of {log}" for log, count in relations.items()) or "all relations",
-        slow_scans=f" ({slow} of the scans)" if slow else "") + "\n" + circumstances_text(record)
+{circumstances_text(record)}"""  # noqa: E501
 
 
 def logs(bench):
     """real logs, known start"""
-    names = [name for name, (folder, _, _) in LOGS.items() if folder is None or not bench.args.shipped]
-    files = {name: log_files(name, bench.args.data) for name in names}
-    tasks = {(name, seed): partial(log_run, bench, files[name], name, seed)
-             for name in names for seed in range(1, bench.args.seeds + 1)}
-    return study(bench, "real_logs", tasks, lambda key, run: (
+    names = [name for name in LOG_BARS if name not in RECORDED or not bench.args.shipped]
+    for name in names:
+        log_files(name, bench.args.data)  # says what is missing before anything is measured
+    keys = list(itertools.product(names, range(1, bench.args.seeds + 1)))
+    return study(bench, "real_logs", log_run, keys, lambda key, run: (
         f"{key[0]}, seed {key[1]}: mean {run['mean_m']:.4f} m, maximum {run['max_m']:.3f} m, heading "
         f"{run['heading_rmse_deg']:.3f} deg{'' if run.get('within_bars', True) else '  MISSED'}"), logs_page,
-        what="logs", bars={name: LOGS[name][2] for name in names})
+        what="logs", bars={name: LOG_BARS[name] for name in names})
 
 
 if __name__ == "__main__":

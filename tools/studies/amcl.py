@@ -12,18 +12,17 @@ import shutil
 import statistics
 import sys
 from dataclasses import replace
-from functools import partial
 
 import measuring
 from logs import carmen_text, read_log
 from measuring import JOBS, count
 from pages import average, circumstances, circumstances_text, mean, share_of, table_of_groups, where, worst, write_results
 from poses import compose, relative
-from runs import FILTER_ALONE, files_of, localize, simulate, yaml_text
+from runs import files_of, localize, simulate, yaml_text
 
 BAR = {"particles": 1000, "error_ratio": 1.2, "step_ms": 1.5}
-RATES = {"off": None, "0.001 / 0.1 / 1": (0.001, 0.1, 1), "0.001 / 0.1 / 2": (0.001, 0.1, 2),
-         "0.001 / 0.1 / 3": (0.001, 0.1, 3)}
+RATES = {"off": {}, **{f"0.001 / 0.1 / {margin}": {"recovery": {
+    "recovery_alpha_slow": 0.001, "recovery_alpha_fast": 0.1, "recovery_margin": margin}} for margin in (1, 2, 3)}}
 FIXED = {"fixed, 4000": {"particles": 4000}, "fixed, 500": {"particles": 500}}
 KLD = {"100 to 4000": {"min_particles": 100, "max_particles": 4000},
        "500 to 4000": {"min_particles": 500, "max_particles": 4000},
@@ -34,19 +33,22 @@ MODELS = ("likelihood_field", "class_conditional")
 SCENES = {"office": "configs/office_scenario.yaml", PEOPLE: "configs/office_clutter_scenario.yaml"}
 BEFORE_S, GONE_S, AFTER_S = 20.0, 60.0, 60.0  # of log before the robot is carried off, cut out, and after it
 FOUND_M, FOUND_RAD, HELD_S = 0.5, math.radians(10), 10.0
-
-
-def recovery(rates):
-    return {"recovery": {"recovery_alpha_slow": rates[0], "recovery_alpha_fast": rates[1],
-                         "recovery_margin": rates[2]}} if rates else {}
+ADAPTIVE, WIDE = KLD["100 to 4000"], {"min_particles": 100, "max_particles": 20000}
+RECOVERING = {f"{model}, {name}": {"sensor": {"model": model}, **rates} for model in MODELS for name, rates in RATES.items()}
+VARIANTS = {  # scene: name: settings
+    "office": {**FIXED, **KLD, **{f"100 to 4000, {name}": {**ADAPTIVE, **rates} for name, rates in RATES.items()}},
+    PEOPLE: {name: {**ADAPTIVE, **settings} for name, settings in RECOVERING.items()},
+    "kidnapped": {**{name: {**WIDE, **settings} for name, settings in RECOVERING.items() if name != f"{MODELS[1]}, off"},
+                  "likelihood_field, off, widened below 0.3": {**WIDE, "recovery": {"expansion_likelihood": 0.3}}},
+}
 
 
 def localized(bench, name, settings, seed, folder):
-    return localize(bench, name, seed, files_of("maps/office.yaml", folder), yaml_text({**settings, **FILTER_ALONE}))
+    return localize(bench, name, seed, files_of("maps/office.yaml", folder), yaml_text(settings))
 
 
-def tracking_run(bench, scene, name, settings, seed):
-    metrics, _, _ = localized(bench, f"{scene}_{name}_{seed}", settings, seed, bench.folder / f"{scene}_{seed}")
+def tracking_run(bench, scene, name, seed):
+    metrics, _, _ = localized(bench, f"{scene}_{name}_{seed}", VARIANTS[scene][name], seed, bench.folder / f"{scene}_{seed}")
     return {"scene": scene, "variant": name, "seed": seed, "rmse_cm": 100 * metrics["position_rmse_m"],
             "max_cm": 100 * metrics["position_max_m"], "heading_rmse_deg": math.degrees(metrics["heading_rmse_rad"]),
             "nees": metrics["nees"]["mean"], "particles": metrics["particles"], "injected": metrics["injected_mean"],
@@ -70,10 +72,10 @@ def carry_off(drive, cut_s, to):
     return to
 
 
-def kidnapping_run(bench, name, settings, trial):
+def kidnapping_run(bench, scene, name, trial):
     cut_s = BEFORE_S + 5.0 + 13.0 * trial % 150.0
     folder = carry_off(bench.folder / "office_1", cut_s, bench.folder / f"kidnapped_{name.replace('/', '')}_{trial}")
-    _, errors, _ = localized(bench, f"{folder.name}_run", settings, trial + 1, folder)
+    _, errors, _ = localized(bench, f"{folder.name}_run", VARIANTS[scene][name], trial + 1, folder)
     found_s = None
     for stamp, position_m, heading_rad in errors:
         if stamp < cut_s:
@@ -81,7 +83,7 @@ def kidnapping_run(bench, name, settings, trial):
         right = position_m < FOUND_M and abs(heading_rad) < FOUND_RAD
         found_s = (found_s if found_s is not None else stamp - cut_s - GONE_S) if right else None
     held = found_s is not None and found_s <= AFTER_S - HELD_S
-    return {"scene": "kidnapped", "variant": name, "trial": trial, "cut_s": cut_s, "found_s": found_s if held else None}
+    return {"scene": scene, "variant": name, "trial": trial, "cut_s": cut_s, "found_s": found_s if held else None}
 
 
 # ---- The page ----------------------------------------------------------------------------------------------------------
@@ -186,29 +188,20 @@ nothing had happened. 100 to 20,000 particles. Found: within {FOUND_M} m and 10 
 """  # noqa: E501
 
 
-def tasks_of(bench):
-    adaptive, wide = KLD["100 to 4000"], {"min_particles": 100, "max_particles": 20000}
-    modelled = {(model, name): {"sensor": {"model": model}, **recovery(rates)}
-                for model in MODELS for name, rates in RATES.items()}
-    tracking = {"office": {**FIXED, **KLD, **{f"100 to 4000, {n}": {**adaptive, **recovery(r)} for n, r in RATES.items()}},
-                PEOPLE: {f"{model}, {name}": {**adaptive, **more} for (model, name), more in modelled.items()}}
-    kidnapping = {f"{model}, {name}": {**wide, **more} for (model, name), more in modelled.items()
-                  if RATES[name] or model == MODELS[0]}
-    kidnapping["likelihood_field, off, widened below 0.3"] = {**wide, "recovery": {"expansion_likelihood": 0.3}}
-    tasks = {(scene, name, seed): partial(tracking_run, bench, scene, name, settings, seed)
-             for scene, variants in tracking.items() for name, settings in variants.items()
-             for seed in range(1, bench.args.seeds + 1)}
-    return tasks | {("kidnapped", name, trial): partial(kidnapping_run, bench, name, settings, trial)
-                    for name, settings in kidnapping.items() for trial in range(bench.args.trials)}
+def one_run(bench, scene, name, number):
+    """Of a seed, or of a trial of kidnapping."""
+    return (kidnapping_run if scene == "kidnapped" else tracking_run)(bench, scene, name, number)
 
 
 def run(bench):
     load = [os.getloadavg()[0]]
     facts = circumstances(bench.program)
+    numbers = {scene: range(1, bench.args.seeds + 1) for scene in SCENES} | {"kidnapped": range(bench.args.trials)}
     for scene, scenario in SCENES.items():
-        for seed in range(1, bench.args.seeds + 1):
+        for seed in numbers[scene]:
             simulate(bench, scenario, seed, f"{scene}_{seed}")
-    results, end = bench.measure(tasks_of(bench), lambda key, r: (
+    keys = [(scene, name, number) for scene, variants in VARIANTS.items() for name in variants for number in numbers[scene]]
+    results, end = bench.measure(one_run, keys, lambda key, r: (
         f"{key}: " + (f"{r['rmse_cm']:.2f} cm" if "rmse_cm" in r else f"found after {r['found_s']} s")))
     if end:
         raise end
@@ -216,8 +209,7 @@ def run(bench):
     load.append(os.getloadavg()[0])
     record = {"partial": False, **facts, "backend": runs[0]["backend"], "load": load, "bar": BAR, "runs": runs}
     record["within_bar"] = all(judge(record)[key] <= BAR[key] for key in BAR)
-    write_results(bench.args.out, "amcl", record, page(record))
-    return 0 if record["within_bar"] else 1
+    return write_results(bench, "amcl", record, page, record["within_bar"])
 
 
 if __name__ == "__main__":

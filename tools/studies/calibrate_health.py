@@ -36,9 +36,9 @@ def read_samples(paths):
                 if missing:
                     raise Failure(2, f"{path}: expected the columns {', '.join(NEEDED)}, found no {missing[0]}")
                 samples += [sample for row in rows if (sample := sample_of(path, row))]
-        except (KeyError, TypeError, ValueError) as error:
-            if isinstance(error, UnicodeDecodeError):
-                raise Failure(2, f"{path}: cannot be read ({error})") from None
+        except UnicodeDecodeError as error:
+            raise Failure(2, f"{path}: cannot be read ({error})") from None
+        except (KeyError, TypeError, ValueError):
             raise Failure(2, f"{path}:{rows.line_num}: expected numbers, and 0 or 1 for right") from None
     return samples
 
@@ -57,11 +57,8 @@ def sigmoid(x):
 
 def log_likelihood(points, a, b):
     """Of all outcomes, each (evidence, right)."""
-    total = 0.0
-    for evidence, right in points:
-        x = a + b * evidence
-        total -= math.log1p(math.exp(-abs(x))) + max(-x if right else x, 0.0)
-    return total
+    exponents = ((a + b * evidence, right) for evidence, right in points)
+    return -sum(math.log1p(math.exp(-abs(x))) + max(-x if right else x, 0.0) for x, right in exponents)
 
 
 def fit(points):
@@ -72,15 +69,9 @@ def fit(points):
     a, b = 0.0, 0.0
     best = log_likelihood(points, a, b)
     for _ in range(100):
-        ga = gb = haa = hab = hbb = 0.0
-        for evidence, right in points:
-            p = sigmoid(a + b * evidence)
-            weight = p * (1 - p)
-            ga += right - p
-            gb += (right - p) * evidence
-            haa += weight
-            hab += weight * evidence
-            hbb += weight * evidence * evidence
+        said = [(sigmoid(a + b * evidence), evidence, right) for evidence, right in points]
+        ga, gb = (sum((right - p) * evidence**power for p, evidence, right in said) for power in range(2))
+        haa, hab, hbb = (sum(p * (1 - p) * evidence**power for p, evidence, _ in said) for power in range(3))
         det = haa * hbb - hab * hab
         if det <= 1e-12 * max(1.0, haa * hbb):
             raise Failure(3, "the evidence parts right from wrong entirely, or is all the same: no curve fits best")

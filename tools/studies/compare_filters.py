@@ -12,8 +12,10 @@ import os
 import sys
 
 import measuring
-from measuring import LOGS_FOLDER, ROOT, Failure, count, subset
+from logs import RECORDED
+from measuring import LOGS_FOLDER, Failure, count, subset
 from pages import CIRCUMSTANCES, bars_table, circumstance_cells, circumstances, fixed, table, table_of
+from runs import report_of
 
 SCENARIO = "configs/tb3_house_scenario.yaml"
 KAPPAS = ("1e-6", "1e-4", "5e-3")
@@ -31,7 +33,6 @@ SLOWEST = ",".join(f"{kind}@{n}" for kind, n in SLOW)
 MANY = "edh@100000,edh@1000000"
 FILTERS = ",".join(["mcl", "amcl", "ekf", "ekf_beams", *[f"{kind}@100" for kind in FLOWS]])
 PUBLISHED = ",".join([TURTLEBOT, f"ekf={STUDY}", f"edh@100={STUDY}"])
-LOGS = {"tb3_house": "map_05.yaml", "intel": "map.yaml", "aces": "map.yaml"}
 TROUBLE_KAPPA = "1e-4"
 TROUBLES = {  # name: arguments
     "none": [],
@@ -47,15 +48,6 @@ TROUBLES = {  # name: arguments
 }
 BEST = {"position_rmse_m": 0.02, "heading_rmse_rad": 0.01}  # of any filter at kappa = 1e-4
 SPEED = {"edh@100": 5000, "mcl": 20}  # times real time
-
-
-def compare(bench, name, arguments):
-    out = bench.folder / name
-    bench.program("compare", "--quiet", "--out", out, *arguments)
-    text = (out / "compare.json").read_text()
-    for folder, name_of in ((os.environ["PARLOC_DATA"], "$PARLOC_DATA"), (f"{ROOT}/", ""), (f"{bench.folder}/", "")):
-        text = text.replace(folder, name_of)
-    return json.loads(text)
 
 
 def slim(result):
@@ -99,11 +91,11 @@ def speed(args, run):
 
 def logs(args, run):
     results = {}
-    for name, grid in LOGS.items():
+    for name in ("tb3_house", "intel", "aces"):
         home = args.data / name
         results[name] = run(f"log_{name}", [
-            "--log", home / "scans.log", "--truth", home / "reference.tum", "--map", home / grid, "--filters", FILTERS,
-            *seeds_of(args, min(5, args.seeds))])
+            "--log", home / "scans.log", "--truth", home / "reference.tum", "--map", home / RECORDED[name],
+            "--filters", FILTERS, *seeds_of(args, min(5, args.seeds))])
     return results
 
 
@@ -249,23 +241,6 @@ def logs_text(results):
             "".join(f"\n### {name}\n\n{error_table(result)}\n" for name, result in results.items()))
 
 
-TROUBLES_TEXT = """
-## Where each filter breaks
-
-Runs lost of {runs}, {seeds}, at kappa = {kappa} m. "Told": the spread that the filter starts with is as large as the error; \
-else it is 0.1 m and 0.05 rad. Robots are kidnapped at 30 to 180 s, by the seed. Hits on what is not on the map: {hits}.
-
-{lost}
-
-{limits}
-
-Position RMSE in m of the runs that kept their robot, and the share of all scans at which a run was farther than 0.5 m off, \
-lost or not:
-
-{clutter}
-"""  # noqa: E501
-
-
 def troubles_text(results):
     names = list(by_name(results["none"]))
     of = {name: {trouble: by_name(result)[name] for trouble, result in results.items()} for name in names}
@@ -281,13 +256,24 @@ def troubles_text(results):
 
     clutter = [trouble for trouble in results if trouble.startswith("clutter") or trouble == "none"]
     header = ["filter", *(text for trouble in clutter for text in (trouble, "> 0.5 m"))]
-    return TROUBLES_TEXT.format(
-        runs=runs, seeds=seeds_text(results["none"]), kappa=TROUBLE_KAPPA,
-        hits=", ".join(f"{name}: {100 * hits:.1f} %" for name, r in results.items() if (hits := r["plan"]["unmapped_hits"])),
-        lost=table(["filter", *results], [[name, *(str(f["lost"]) for f in of[name].values())] for name in names]),
-        limits=table_of(names, {"filter": str, "loses most runs to": loses(lambda lost: 2 * lost > runs),
-                                "loses some runs to": loses(lambda lost: 0 < 2 * lost <= runs, "{0} ({1})")}),
-        clutter=table(header, [[name, *clutter_cells(name)] for name in names]))
+    hits = ", ".join(f"{name}: {100 * hits:.1f} %" for name, r in results.items() if (hits := r["plan"]["unmapped_hits"]))
+    limits = {"filter": str, "loses most runs to": loses(lambda lost: 2 * lost > runs),
+              "loses some runs to": loses(lambda lost: 0 < 2 * lost <= runs, "{0} ({1})")}
+    return f"""
+## Where each filter breaks
+
+Runs lost of {runs}, {seeds_text(results["none"])}, at kappa = {TROUBLE_KAPPA} m. "Told": the spread that the filter starts with is as large as the error; \
+else it is 0.1 m and 0.05 rad. Robots are kidnapped at 30 to 180 s, by the seed. Hits on what is not on the map: {hits}.
+
+{table(["filter", *results], [[name, *(str(f["lost"]) for f in of[name].values())] for name in names])}
+
+{table_of(names, limits)}
+
+Position RMSE in m of the runs that kept their robot, and the share of all scans at which a run was farther than 0.5 m off, \
+lost or not:
+
+{table(header, [[name, *clutter_cells(name)] for name in names])}
+"""  # noqa: E501
 
 
 def where_text(record):
@@ -298,16 +284,13 @@ def where_text(record):
 TEXTS = {"house": house_text, "followup": followup_text, "speed": speed_text, "logs": logs_text, "troubles": troubles_text}
 
 
-PAGE = """# Filters compared
+def page(record):
+    text = f"""# Filters compared
 
-What this is, how to read it and when to choose which filter: [compare](../compare.md). Settings were tuned on seeds {tuned}; \
+What this is, how to read it and when to choose which filter: [compare](../compare.md). Settings were tuned on seeds {TUNED}; \
 each part says of which ones its figures are. A run is lost if it is farther than 0.5 m off at its end. The means of errors \
 and NEES are of the runs that kept their robot; a bar is kept only without a lost run.
 """
-
-
-def page(record):
-    text = PAGE.format(tuned=TUNED)
     if bars := judged(record):
         text += f"\n{bars_table(bars)}\n"
     return text + "".join(text_of(record[part]) for part, text_of in TEXTS.items() if part in record) + where_text(record)
@@ -331,7 +314,7 @@ def run(bench):
     here = circumstances(bench.program)  # before the first result changes a file
     for part in args.parts:
         def timed(name, arguments, part=part):
-            result = compare(bench, name, arguments)
+            result = report_of(bench, "compare", name, arguments)
             record["backend"] = result["times"]["filters"][0]["backend"]
             print(f"{part}: {name} done in {result['times']['wall_s']:.0f} s", file=sys.stderr, flush=True)
             return slim(result)

@@ -18,7 +18,6 @@ import shutil
 import statistics
 import sys
 import time
-from functools import partial
 
 import measuring
 import mrpt_setup as models
@@ -45,8 +44,7 @@ def run_program(program, *arguments, environment=None):
     """Its output, and how many cores it kept busy on average."""
     worked_s, begun = children_s(), time.monotonic()
     out = program(*arguments, environment=environment)
-    wall_s = time.monotonic() - begun
-    return out, (children_s() - worked_s) / wall_s
+    return out, round((children_s() - worked_s) / (time.monotonic() - begun), 2)
 
 
 def errors_of(path, poses):
@@ -61,6 +59,9 @@ def nearest_rank(values, share):
 
 MRPT_POSE = re.compile(r"PDF estimation: \(([-\d.e+]+),([-\d.e+]+),[-\d.e+]+deg\)")
 MRPT_ESS = re.compile(r"Done in [\d.]+ms, ESS=([\d.]+)")
+
+
+MRPT_ONLY = ("first_ms", "ess_after_resampling")
 
 
 def run_mrpt(program, particles, row, drive, work):
@@ -106,19 +107,20 @@ def run_parloc(program, particles, row, drive, work, seed):
 def measure(bench, drive):
     """Rounds of one run per row, one right after the other: [{row key: values}], and how it ended."""
     particles, pf_localization = bench.args.particles, Program(bench.args.pf_localization, TIMEOUT_S)
-    tasks = {}
-    for number in range(1, bench.args.repeats + 1):
-        for row in ROWS:
-            tasks[number, row.key] = (
-                partial(run_parloc, bench.program, particles, row, drive, bench.folder, number) if row.model else
-                partial(run_mrpt, pf_localization, particles, row, drive, bench.folder))
-    results, end = bench.measure(tasks, lambda key, run: (
-        f"round {key[0]}, {key[1]}: {run['median_ms']:.3f} ms per step, mean error {100 * run['mean_m']:.2f} cm"),
+
+    def one_run(bench, number, row):
+        if row.model:
+            return run_parloc(bench.program, particles, row, drive, bench.folder, number)
+        return run_mrpt(pf_localization, particles, row, drive, bench.folder)
+
+    keys = [(number, row) for number in range(1, bench.args.repeats + 1) for row in ROWS]
+    results, end = bench.measure(one_run, keys, lambda key, run: (
+        f"round {key[0]}, {key[1].key}: {run['median_ms']:.3f} ms per step, mean error {100 * run['mean_m']:.2f} cm"),
         pf_localization)
     whole = len(results) // len(ROWS)
     if not whole:
         raise end
-    return [{row.key: results[number, row.key] for row in ROWS} for number in range(1, whole + 1)], end
+    return [{row.key: results[number, row] for row in ROWS} for number in range(1, whole + 1)], end
 
 
 # ---- The page ----------------------------------------------------------------------------------------------------------
@@ -143,37 +145,42 @@ def summary(rounds):
     result = []
     for row in ROWS:
         runs = [values[row.key] for values in rounds]
+        kept = ["median_ms", "p99_ms", "mean_m", "max_m", "cores_busy", *([] if row.model else MRPT_ONLY)]
         record = {"row": row.key, "threads": row.threads, "backend": runs[0]["backend"],
-                  "median_ms": [run["median_ms"] for run in runs], "p99_ms": [run["p99_ms"] for run in runs],
-                  "mean_m": [run["mean_m"] for run in runs], "max_m": [run["max_m"] for run in runs],
-                  "cores_busy": [round(run["cores_busy"], 2) for run in runs]}
+                  **{key: [run[key] for run in runs] for key in kept}}
         if row.model:
             record["times_faster_than_mrpt"] = [
                 values[f"mrpt_{row.group}"]["median_ms"] / values[row.key]["median_ms"] for values in rounds]
-        else:
-            record["first_ms"] = [run["first_ms"] for run in runs]
-            record["ess_after_resampling"] = [run["ess_after_resampling"] for run in runs]
         result.append(record)
     return result
 
 
 def results_table(records):
     """`records` by key of their row."""
-    return table_of(((row, records[row.key]) for row in ROWS), {
-        "program and model": lambda pair: pair[0].text, "threads": lambda pair: str(pair[0].threads),
-        "ms per step": lambda pair: spread(pair[1]["median_ms"], milliseconds),
-        "p99": lambda pair: milliseconds(statistics.median(pair[1]["p99_ms"])),
-        "times faster": lambda pair: spread(pair[1]["times_faster_than_mrpt"], times) if pair[0].model else "",
-        "mean error": lambda pair: f"{100 * statistics.fmean(pair[1]['mean_m']):.2f}",
-        "maximum": lambda pair: f"{100 * max(pair[1]['max_m']):.1f}"})
+    return table_of(({"text": row.text, **records[row.key]} for row in ROWS), {
+        "program and model": lambda r: r["text"], "threads": lambda r: str(r["threads"]),
+        "ms per step": lambda r: spread(r["median_ms"], milliseconds),
+        "p99": lambda r: milliseconds(statistics.median(r["p99_ms"])),
+        "times faster": lambda r: spread(r["times_faster_than_mrpt"], times) if "times_faster_than_mrpt" in r else "",
+        "mean error": lambda r: f"{100 * statistics.fmean(r['mean_m']):.2f}",
+        "maximum": lambda r: f"{100 * max(r['max_m']):.1f}"})
 
 
-PAGE = """# parloc beside MRPT
+def page(record):
+    rows, setup = {run["row"]: run for run in record["runs"]}, record["setup"]
+    partial = f"**Partial: ended after {setup['rounds']} rounds ({record['ended_by']}).** " if record["partial"] else ""
+    mrpt, range_m = rows["mrpt_ray"]["backend"], setup["range"]
+    busy = spread([v for key in ("mrpt_ray", "mrpt_field") for v in rows[key]["cores_busy"]], lambda v: f"{v:.2f}")
+    ess = spread([v for run in rows.values() for v in run.get("ess_after_resampling", [])], lambda v: f"{v:.2f}")
+    keys = list(CIRCUMSTANCES)
+    keys[-1:] = "load", keys[-1]
+    keys.insert(keys.index("compiler"), "mrpt")
+    return f"""# parloc beside MRPT
 
 {partial}MRPT's `pf-localization` ({mrpt}) and `parloc run` on the same log, map, start, number of particles and beams, by turns in one run.
-{particles} particles x {beams} beams, {scans} scans of {log}; {rounds} rounds.
+{setup["particles"]} particles x {setup["beams"]} beams, {setup["scans"]} scans of {setup["log"]}; {setup["rounds"]} rounds.
 
-{table}
+{results_table(rows)}
 
 - **ms per step**: the median over the steps of a run; of that, the median over the rounds and, in brackets, the lowest and the
   highest. p99: 99 % of a run's steps are not slower, the median over the rounds.
@@ -189,54 +196,37 @@ The first step of every run is left out (MRPT begins its table of the field in i
 
 `pf-localization` works on one thread: it kept {busy} cores busy on average. Debian builds it for any x86-64. "Without AVX" is parloc limited
 to the same (`PARLOC_SIMD=baseline`): its fused multiply-adds, which make its answers the same everywhere, are calls there. Otherwise
-parloc took what this CPU has: {backend}.
+parloc took what this CPU has: {rows["gaussian_1"]["backend"]}.
 
 ## What is the same
 
 - The log, its odometry and its beams: every beam is used.
-- The map, cell by cell, with a margin of {margin} unknown cells: at the very edge of a map MRPT's field is off.
+- The map, cell by cell, with a margin of {MARGIN_CELLS} unknown cells: at the very edge of a map MRPT's field is off.
 - Resampling in every step, systematic, and a fixed number of particles. The estimate is the mean of all particles.
-- `beam` with MRPT's likelihood: of a hit {hit:g} exp(-d^2 / 2 sigma^2) + {floor:g}, sigma {sigma} m, the product over the beams. parloc's shares
+- `beam` with MRPT's likelihood: of a hit {models.MRPT_RAY_HIT:g} exp(-d^2 / 2 sigma^2) + {models.MRPT_RAY_FLOOR_M / told_range_m(range_m):g}, sigma {models.SIGMA_M} m, the product over the beams. parloc's shares
   (`z_hit` and so on) are chosen to be that, up to a factor.
-- The likelihood field: sigma {sigma} m, distance to a wall up to {cap} m, the value of the nearest cell, weights to the power of {tempering}. A field pulls
+- The likelihood field: sigma {models.SIGMA_M} m, distance to a wall up to {models.FIELD_CAP_M} m, the value of the nearest cell, weights to the power of {models.FIELD_TEMPERING}. A field pulls
   hits to the middle of a wall's cells, though they lie on its face; so its errors are larger than those of rays, in both programs.
 
 ## What is not
 
-- **Rays.** MRPT marches in steps of {step} cells: its ranges are multiples of {step_cm:g} cm, too long by up to that. parloc's are exact. MRPT's
-  rays end after as many steps as the maximum range has cells; so it was told {told:g} m, to reach the true {range:g} m.
-- **Missing returns** (no wall within {range:g} m). MRPT compares {range:g} m with the range that it expects. parloc's `gaussian` does the
+- **Rays.** MRPT marches in steps of {models.MRPT_RAY_STEP_CELLS} cells: its ranges are multiples of {100 * models.MRPT_RAY_STEP_CELLS * setup["resolution_m"]:g} cm, too long by up to that. parloc's are exact. MRPT's
+  rays end after as many steps as the maximum range has cells; so it was told {told_range_m(range_m):g} m, to reach the true {range_m:g} m.
+- **Missing returns** (no wall within {range_m:g} m). MRPT compares {range_m:g} m with the range that it expects. parloc's `gaussian` does the
   same, its `beam` takes the probability of no return. In both fields they are left out.
-- **Hits left out.** MRPT's field skips a hit within half a cell of the one before: {left_out:.1%} of this log's hits.
+- **Hits left out.** MRPT's field skips a hit within half a cell of the one before: {setup["left_out"]:.1%} of this log's hits.
 - **`gaussian`** is the model of Paz et al. 2012, which has no floor. parloc gives up a particle once its weight is certain to be zero, and
   a sharper likelihood does so sooner: hence this row is faster than `beam`.
-- **Motion noise.** parloc: turn, drive, turn, each with its noise (alpha {alphas}). MRPT: one Gaussian, as wide across as along, with
+- **Motion noise.** parloc: turn, drive, turn, each with its noise (alpha {", ".join(map(str, models.ALPHAS))}). MRPT: one Gaussian, as wide across as along, with
   the same standard deviation along and about, and 0.1 mm and 0.0001 rad more.
-- **Start.** parloc: Gaussian, {start_m} m and {start_rad} rad. MRPT: uniform, with the same standard deviation. MRPT takes no step at the
+- **Start.** parloc: Gaussian, {START_SIGMA_M} m and {START_SIGMA_RAD} rad. MRPT: uniform, with the same standard deviation. MRPT takes no step at the
   first scan, parloc does.
 - **Weights after resampling** should be equal, an effective sample size of 1 in MRPT's output. It says {ess}: there, evidence counts more
   than once. Its errors are those of the program as it is.
 - **Random numbers.** MRPT's seed is the time: its errors differ from run to run. parloc's seeds are the numbers of the rounds. MRPT's
   poses have 3 decimals.
 
-"""  # noqa: E501
-
-
-def page(record):
-    rows, setup = {run["row"]: run for run in record["runs"]}, record["setup"]
-    text = PAGE.format(
-        partial=f"**Partial: ended after {setup['rounds']} rounds ({record['ended_by']}).** " if record["partial"] else "",
-        mrpt=rows["mrpt_ray"]["backend"], **setup, table=results_table(rows), backend=rows["gaussian_1"]["backend"],
-        busy=spread([v for key in ("mrpt_ray", "mrpt_field") for v in rows[key]["cores_busy"]], lambda v: f"{v:.2f}"),
-        sigma=models.SIGMA_M, cap=models.FIELD_CAP_M, tempering=models.FIELD_TEMPERING, hit=models.MRPT_RAY_HIT,
-        floor=models.MRPT_RAY_FLOOR_M / told_range_m(setup["range"]), step=models.MRPT_RAY_STEP_CELLS,
-        step_cm=100 * models.MRPT_RAY_STEP_CELLS * setup["resolution_m"], told=told_range_m(setup["range"]),
-        margin=MARGIN_CELLS, alphas=", ".join(map(str, models.ALPHAS)), start_m=START_SIGMA_M, start_rad=START_SIGMA_RAD,
-        ess=spread([v for run in rows.values() for v in run.get("ess_after_resampling", [])], lambda v: f"{v:.2f}"))
-    keys = list(CIRCUMSTANCES)
-    keys[-1:] = "load", keys[-1]
-    keys.insert(keys.index("compiler"), "mrpt")
-    return text + circumstances_text({**record, "mrpt": rows["mrpt_ray"]["backend"]}, keys)
+{circumstances_text({**record, "mrpt": mrpt}, keys)}"""  # noqa: E501
 
 
 # ---- Command line ------------------------------------------------------------------------------------------------------
@@ -269,10 +259,7 @@ def compare(bench):
               "configs": {row.model: (work / f"{row.model}.yaml").read_text() for row in ROWS if row.model},
               "ini": {row.key: (work / f"{row.key}.ini").read_text().replace(f"{work}/", "") for row in ROWS if not row.model},
               "runs": summary(rounds)}
-    write_results(args.out, "mrpt", record, page(record))
-    if end:
-        raise end
-    return 0
+    return write_results(bench, "mrpt", record, page, end=end)
 
 
 if __name__ == "__main__":

@@ -9,12 +9,11 @@ import math
 import re
 import statistics
 import sys
-from functools import partial
 
 import measuring
 from measuring import ROOT, count
 from pages import circumstances, circumstances_text, table, where, write_results
-from runs import FILTER_ALONE, files_of, localize, rms, simulate, yaml_text
+from runs import files_of, localize, rms, simulate
 
 SCAN_TIME_S = 0.1
 STAMPS = ("first", "middle", "last")
@@ -30,7 +29,7 @@ SCENES = {
 def config_text(path, scan_time_s, stamp_at):
     text = (ROOT / path).read_text() if path else ""
     text = re.sub(r"^lidars:\n(?:[ #].*\n|\n)*", "", text, flags=re.MULTILINE)
-    return f"{text}\nlidars:\n  robotlaser1: {{scan_time: {scan_time_s}, stamp_at: {stamp_at}}}\n{yaml_text(FILTER_ALONE)}"
+    return f"{text}\nlidars:\n  robotlaser1: {{scan_time: {scan_time_s}, stamp_at: {stamp_at}}}\n"
 
 
 def errors_of(bench, name, scene, seed, log, told_s, stamp_at):
@@ -123,9 +122,9 @@ per scan. All scans count.
 
 def run(bench):
     seeds = {"spin": bench.args.seeds, "office": max(1, bench.args.seeds // 4)}
-    tasks = {(scene, seed): partial(one_seed, bench, scene, seed) for scene in SCENES for seed in range(1, seeds[scene] + 1)}
+    keys = [(scene, seed) for scene in SCENES for seed in range(1, seeds[scene] + 1)]
     facts = circumstances(bench.program)
-    results, end = bench.measure(tasks, lambda key, r: (
+    results, end = bench.measure(one_seed, keys, lambda key, r: (
         f"{key[0]}, seed {key[1]}: heading {r['instant']['heading_deg']:.2f}, ignored "
         f"{r['first']['ignored']['heading_deg']:.2f}, deskewed {r['first']['deskewed']['heading_deg']:.2f} deg"))
     if end:
@@ -134,8 +133,7 @@ def run(bench):
     within = all(summary(runs, "spin", stamp_at, key)[1] >= BAR for stamp_at in STAMPS for key in ("heading_deg", "position_m"))
     record = {"partial": False, **facts, "backend": runs[0]["instant"]["backend"], "bar": BAR, "within_bar": within,
               "runs": runs}
-    write_results(bench.args.out, "deskew", record, page(record))
-    return 0 if within else 1
+    return write_results(bench, "deskew", record, page, within)
 
 
 if __name__ == "__main__":

@@ -14,11 +14,10 @@ import sys
 
 from grids import GREY, OCCUPIED, UNKNOWN, png, read_pgm
 from logs import read_log, read_tum
-from make_maps import COARSE_M
 from measuring import reported
 from poses import compose, relative
 
-SCALE = 3  # pixels per cell
+CELL_M, SCALE = 0.05, 3  # of the map; pixels per cell
 INK = {GREY[OCCUPIED]: (60, 60, 60), GREY[UNKNOWN]: (205, 205, 205)}
 HIT, ODOMETRY, TRUTH, STOP = (240, 160, 60), (200, 60, 60), (40, 90, 200), (10, 40, 120)
 
@@ -33,8 +32,8 @@ class Picture:
             self.rows += [bytearray(line) for _ in range(SCALE)]
 
     def dot(self, x_m, y_m, colour, radius):
-        column = (x_m - self.origin[0]) / COARSE_M * SCALE
-        row = len(self.rows) - (y_m - self.origin[1]) / COARSE_M * SCALE
+        column = (x_m - self.origin[0]) / CELL_M * SCALE
+        row = len(self.rows) - (y_m - self.origin[1]) / CELL_M * SCALE
         for r in range(math.floor(row - radius), math.ceil(row + radius) + 1):
             for c in range(math.floor(column - radius), math.ceil(column + radius) + 1):
                 inside = (r + 0.5 - row) ** 2 + (c + 0.5 - column) ** 2 <= radius ** 2

@@ -13,11 +13,12 @@ import argparse
 import gzip
 import math
 import pathlib
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from itertools import pairwise
 
 import numpy as np
-from grids import FREE, OCCUPIED, UNKNOWN, Grid, write_map
+from grids import FREE, OCCUPIED, UNKNOWN, grid_of, write_map
+from logs import Scan
 from measuring import ROOT
 from mrpt_objects import RangeScan, Stream
 from poses import compose, relative, wrap
@@ -38,20 +39,12 @@ def transform(pose, points):
     return np.asarray(pose)[:2] + points @ np.array([[c, s], [-s, c]])
 
 
-@dataclass
-class Observation:
-    """One scan: ranges in metres from right (-90 degrees) to left (+90 degrees), both ends included."""
-
-    stamp_s: float
-    ranges_m: np.ndarray
-    T_base_sensor: tuple  # x, y [m], heading [rad]
-
-    def points(self, max_range_m=MAP_RANGE_M):
-        """Reflections in the frame of the base, n x 2."""
-        bearing = -np.pi / 2 + np.pi / (len(self.ranges_m) - 1) * np.arange(len(self.ranges_m))
-        keep = (self.ranges_m > 0.05) & (self.ranges_m < max_range_m)
-        r, a = self.ranges_m[keep], bearing[keep]
-        return transform(self.T_base_sensor, np.stack([r * np.cos(a), r * np.sin(a)], 1))
+def points_of(scan, max_range_m=MAP_RANGE_M):
+    """Reflections in the frame of the base, n x 2."""
+    bearing = scan.angle_min_rad + scan.angle_step_rad * np.arange(len(scan.ranges_m))
+    keep = (scan.ranges_m > 0.05) & (scan.ranges_m < max_range_m)
+    r, a = scan.ranges_m[keep], bearing[keep]
+    return transform(scan.T_base_sensor, np.stack([r * np.cos(a), r * np.sin(a)], 1))
 
 
 def planar(pose):
@@ -59,23 +52,23 @@ def planar(pose):
     return *pose[:2], pose[-1]
 
 
-def observation(scan):
+def scan_of(scan, T_odom_base=None):
     expected = scan.to_left == 1 and len(scan.ranges_m) == 361 and abs(scan.aperture_rad - np.pi) <= 1e-6
     if not expected or scan.range_max_m != NO_RETURN_M:
         raise ValueError("expected 361 beams over 180 degrees from right to left, 80 m")
-    return Observation((scan.ticks - 116444736000000000) / 1e7, np.array(scan.ranges_m), planar(scan.pose))
+    return Scan((scan.ticks - 116444736000000000) / 1e7, np.array(scan.ranges_m), -np.pi / 2, np.pi / 360, NO_RETURN_M,
+                planar(scan.pose), T_odom_base)
 
 
 def read_rawlog(path):
-    """Scans, and the odometry pose at each, from the increments between them; the first is at the origin."""
-    scans, odometry, pose = [], [], (0.0, 0.0, 0.0)
+    """Scans, their odometry from the increments between them; the first is at the origin."""
+    scans, pose = [], (0.0, 0.0, 0.0)
     for entry in Stream(path.read_bytes()).objects():
         if isinstance(entry[0], RangeScan):
-            scans.append(observation(entry[0]))
-            odometry.append(pose)
+            scans.append(scan_of(entry[0], pose))
         elif scans:  # an increment before the first scan moves nothing that is in the log
             pose = compose(pose, entry[0].delta)
-    return scans, odometry
+    return scans
 
 
 # ---- alignment: point to line, Huber's weights -------------------------------------------------------------------------
@@ -123,7 +116,7 @@ class Cloud:
 
 def lines_of(scan):
     """The points of a scan, in the frame of the base, that lie on a line."""
-    points = scan.points()
+    points = points_of(scan)
     normals, good = normals_of(points)
     return Cloud(points[good], normals[good])
 
@@ -131,7 +124,7 @@ def lines_of(scan):
 def refine_keyframes(poses, scans, sweeps=30):
     """All key-frame poses at once: every scan to the lines of every other that it overlaps, and a weak pull (10 cm,
     1 degree) to where MRPT's own mapping put it. The first stays. Returns poses and the mean residual before, after."""
-    local = [scan.points() for scan in scans]
+    local = [points_of(scan) for scan in scans]
     lines = [lines_of(scan) for scan in scans]
     poses = poses.copy()
     given = poses.copy()
@@ -180,7 +173,7 @@ def cloud_of_map(poses, scans):
 def align(cloud, scan, guess, pull_m=0.2, pull_deg=3.0, reaches_m=(0.6, 0.4, 0.3, 0.2, 0.15, 0.15, 0.15)):
     """The pose of the base that lays the scan on the map, from a guess that pulls weakly. Returns pose, share of the
     points within 15 cm of a line of the map, and their mean residual."""
-    local = scan.points()
+    local = points_of(scan)
     pose = guess.copy()
     prior = np.diag([1 / pull_m**2, 1 / pull_m**2, 1 / np.radians(pull_deg) ** 2])
     for reach_m in reaches_m:
@@ -215,16 +208,13 @@ def precision(cloud, scans, poses):
     return np.sqrt((d[:, :2] ** 2).sum(1).mean()), np.sqrt((d[:, 2] ** 2).mean())
 
 
-def track(cloud, scans, odometry, start):
+def track(cloud, scans, start):
     """Scan by scan: odometry predicts, alignment corrects. Returns poses, shares and residuals."""
-    poses, shares, residuals = [], [], []
-    guess = start
-    for i, scan in enumerate(scans):
-        if i:
-            guess = np.array(compose(poses[-1], relative(odometry[i], odometry[i - 1])))
-        for found, value in zip((poses, shares, residuals), align(cloud, scan, guess), strict=True):
-            found.append(value)
-    return np.array(poses), np.array(shares), np.array(residuals)
+    found = [align(cloud, scans[0], start)]
+    for before, scan in pairwise(scans):
+        guess = compose(found[-1][0], relative(scan.T_odom_base, before.T_odom_base))
+        found.append(align(cloud, scan, np.array(guess)))
+    return map(np.array, zip(*found, strict=True))
 
 
 def global_start(grid, origin, cloud, scan):
@@ -232,7 +222,7 @@ def global_start(grid, origin, cloud, scan):
     distance to the nearest wall; the best 50 are aligned, and the one that explains most of the scan is taken.
     Returns pose, share, and the share of the best rival more than 1 m or 20 degrees away."""
     clamped = np.minimum(distance_transform_edt(grid != OCCUPIED) * RESOLUTION_M, 0.5)
-    points = scan.points(20.0)[::4]
+    points = points_of(scan, 20.0)[::4]
     free = np.argwhere(grid[2::4, 2::4] == FREE) * 4 + 2
     places = origin + (free[:, ::-1] + 0.5) * RESOLUTION_M
     scored = []
@@ -259,7 +249,7 @@ def global_start(grid, origin, cloud, scan):
 
 def build_grid(poses, scans):
     """Counts per cell how many beams ended in it and how many went through. Returns cells (row 0 lowest), origin."""
-    ends = np.concatenate([transform(p, s.points()) for p, s in zip(poses, scans, strict=True)] + [poses[:, :2]])
+    ends = np.concatenate([transform(p, points_of(s)) for p, s in zip(poses, scans, strict=True)] + [poses[:, :2]])
     origin = np.floor(ends.min(0) - 0.5)
     width, height = np.ceil((ends.max(0) + 0.5 - origin) / RESOLUTION_M).astype(int)
     hits, passes = np.zeros(width * height, int), np.zeros(width * height, int)
@@ -270,7 +260,7 @@ def build_grid(poses, scans):
 
     for pose, scan in zip(poses, scans, strict=True):
         sensor = compose(pose, scan.T_base_sensor)[:2]
-        world = transform(pose, scan.points())
+        world = transform(pose, points_of(scan))
         end_cells = cells_of(world)
         np.add.at(hits, end_cells, 1)
         for end, end_cell in zip(world, end_cells, strict=True):
@@ -291,14 +281,13 @@ def build_grid(poses, scans):
 # ---- logs --------------------------------------------------------------------------------------------------------------
 
 
-def write_log(path, scans, odometry):
+def write_log(path, scans):
     lines = ["# ROBOTLASER1 type start_angle fov resolution max_range accuracy remission_mode n ranges 0 "
              "laser_pose robot_pose tv rv forward side axis timestamp host logger_timestamp",
              "# From Debian's mrpt-common, BSD-3-Clause; see README.md beside this file."]
-    for scan, odom in zip(scans, odometry, strict=True):
-        laser = compose(odom, scan.T_base_sensor)
+    for scan in scans:
         ranges = " ".join(f"{r:.2f}" for r in scan.ranges_m)
-        poses = " ".join(f"{v:.6f}" for v in (*laser, *odom))
+        poses = " ".join(f"{v:.6f}" for v in (*compose(scan.T_odom_base, scan.T_base_sensor), *scan.T_odom_base))
         lines.append(f"ROBOTLASER1 0 {-np.pi / 2:.9f} {np.pi:.9f} {np.pi / 360:.9f} {NO_RETURN_M:.1f} 0.01 0 "
                      f"{len(scan.ranges_m)} {ranges} 0 {poses} 0 0 0 0 0 {scan.stamp_s:.6f} malaga "
                      f"{scan.stamp_s - scans[0].stamp_s:.6f}")
@@ -314,7 +303,7 @@ def write_tum(path, scans, poses, comment):
 
 def export(name, simplemap, rawlog, title, out):
     keyframes = Stream((DATASETS / simplemap).read_bytes()).read()
-    key_scans = [observation(scan) for _, scan in keyframes]
+    key_scans = [scan_of(scan) for _, scan in keyframes]
     given = np.array([planar(pose) for pose, _ in keyframes])
     poses, before, after = refine_keyframes(given, key_scans)
     shift = np.linalg.norm((poses - given)[:, :2], axis=1)
@@ -322,15 +311,16 @@ def export(name, simplemap, rawlog, title, out):
           f"{100 * shift.mean():.1f} cm in the mean, {100 * shift.max():.1f} at most")
     cells, origin = build_grid(poses, key_scans)
     cloud = cloud_of_map(poses, key_scans)
-    scans, odometry = read_rawlog(DATASETS / rawlog)
+    scans = read_rawlog(DATASETS / rawlog)
     start, share, rival = global_start(cells, origin, cloud, scans[0])
     print(f"{name}: start {np.round(start, 4)} explains {share:.3f} of the first scan; best rival elsewhere {rival:.3f}")
-    track_, shares, residuals = track(cloud, scans, odometry, start)
+    track_, shares, residuals = track(cloud, scans, start)
     print(f"{name}: {len(scans)} scans, {np.linalg.norm(np.diff(track_[:, :2], axis=0), axis=1).sum():.1f} m, "
           f"{scans[-1].stamp_s - scans[0].stamp_s:.1f} s; on the map: share {shares.mean():.3f} (least {shares.min():.3f}), "
           f"residual {100 * residuals.mean():.2f} cm (most {100 * residuals.max():.2f})")
     repeat_m, repeat_rad = precision(cloud, scans, track_)
     print(f"{name}: from half the beams, the poses repeat to {100 * repeat_m:.2f} cm, {np.degrees(repeat_rad):.3f} degrees")
+    odometry = [scan.T_odom_base for scan in scans]
     steps = [(relative(b, a), relative(v, u)) for (a, b), (u, v) in zip(pairwise(track_), pairwise(odometry), strict=True)]
     along = [np.hypot(*a[:2]) - np.hypot(*b[:2]) for a, b in steps]
     turn = [wrap(a[2] - b[2]) for a, b in steps]
@@ -344,9 +334,9 @@ def export(name, simplemap, rawlog, title, out):
         off = [np.linalg.norm(a[:2] - b[:2]) for a, b in same]
         print(f"{name}: {len(same)} scans are key frames of the map; there the track differs from the map's own pose by "
               f"{100 * np.mean(off):.2f} cm, {100 * np.max(off):.2f} at most")
-    write_map(out / f"{name}.yaml", Grid(*cells.shape[::-1], RESOLUTION_M, tuple(origin), cells.astype(np.uint8).tobytes()),
+    write_map(out / f"{name}.yaml", grid_of(cells.astype(np.uint8), RESOLUTION_M, tuple(origin)),
               decimals=3, before=f"# {title}; see logs/README.md\n", mode="")
-    write_log(out / "logs" / f"{name}.log.gz", scans, odometry)
+    write_log(out / "logs" / f"{name}.log.gz", scans)
     write_tum(out / "logs" / f"{name}.tum", scans, track_, "Reference: scans aligned to the map, not a survey")
     print(f"{name}: {cells.shape[1]} x {cells.shape[0]} cells, origin {origin}")
 

@@ -8,6 +8,7 @@ from dataclasses import dataclass
 from measuring import Failure
 from poses import compose, relative, wrap
 
+RECORDED = {"intel": "map.yaml", "aces": "map.yaml", "tb3_house": "map_05.yaml"}  # the maps of the logs in the data's folder
 MAX_TRUTH_GAP_S = 1.5  # as parloc itself interpolates
 
 
@@ -104,10 +105,9 @@ class Truth:
         for row in rows:
             self.exact.setdefault(round(row[0] * 1e6), row)
         self.rows = sorted(rows, key=lambda row: row[0])
-        self.stamps = [row[0] for row in self.rows]
 
     def _around(self, stamp_s):
-        after = bisect.bisect_right(self.stamps, stamp_s)
+        after = bisect.bisect_right(self.rows, stamp_s, key=lambda row: row[0])
         if not 0 < after < len(self.rows):
             return None
         a, b = self.rows[after - 1], self.rows[after]

@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 """Draws the maps that ship with parloc from metric boxes, discs and wall segments.
 
-Run once, from any folder; the output under maps/ is committed:
+Run once, from any folder, with numpy; the output under maps/ is committed:
 
     python3 tools/studies/make_maps.py
 
@@ -13,7 +13,9 @@ are, which moves walls neither inwards nor outwards on average.
 
 import math
 import random
+from itertools import pairwise
 
+import numpy as np
 from grids import FREE, OCCUPIED, UNKNOWN, grid_of, write_map
 from measuring import ROOT
 
@@ -31,92 +33,72 @@ class Floor:
 
     def __init__(self, name, width_m, height_m, origin=(0.0, 0.0), fill=FREE):
         self.name, self.origin = name, origin
-        self.width, self.height = round(width_m / FINE_M), round(height_m / FINE_M)
-        self.rows = [bytearray([fill]) * self.width for _ in range(self.height)]  # row 0 at the bottom
+        self.cells = np.full((round(height_m / FINE_M), round(width_m / FINE_M)), fill, np.uint8)  # row 0 at the bottom
+
+    def around(self, points):
+        """The points in cells from the corner, the cells around them, and the columns and rows of those cells' centres."""
+        points = (np.array(points) - self.origin) / FINE_M
+        (left, low), (right, high) = (np.maximum(side, 0).astype(int) for side in (points.min(0), np.ceil(points.max(0))))
+        cells = self.cells[low:high, left:right]
+        rows, columns = np.ogrid[:cells.shape[0], :cells.shape[1]]
+        return points, cells, left + columns + 0.5, low + rows + 0.5
 
     def polygon(self, corners, value=OCCUPIED):
-        """Fills a convex polygon: the fine cells whose centre lies inside it."""
-        points = [((x - self.origin[0]) / FINE_M, (y - self.origin[1]) / FINE_M) for x, y in corners]
-        low = max(0, math.floor(min(y for _, y in points)))
-        high = min(self.height - 1, math.ceil(max(y for _, y in points)))
-        for row in range(low, high + 1):
-            centre, crossings = row + 0.5, []
-            for (ax, ay), (bx, by) in zip(points, points[1:] + points[:1], strict=True):
-                if (ay <= centre) != (by <= centre):
-                    crossings.append(ax + (centre - ay) / (by - ay) * (bx - ax))
-            if crossings:
-                self.span(row, min(crossings), max(crossings), value)
-
-    def span(self, row, left, right, value):
-        first = max(0, math.ceil(left - 0.5))
-        last = min(self.width - 1, math.floor(right - 0.5))
-        if last >= first:
-            self.rows[row][first:last + 1] = bytes([value]) * (last - first + 1)
+        """Fills a convex polygon, corners counter-clockwise: the fine cells whose centre lies inside it."""
+        points, cells, x, y = self.around(corners)
+        sides = zip(points, np.roll(points, -1, 0), strict=True)
+        cells[np.logical_and.reduce([(bx - ax) * (y - ay) >= (by - ay) * (x - ax) for (ax, ay), (bx, by) in sides])] = value
 
     def rect(self, x0, y0, x1, y1, value=OCCUPIED):
         self.polygon([(x0, y0), (x1, y0), (x1, y1), (x0, y1)], value)
 
-    def box(self, x, y, length, depth, angle_deg=0.0, value=OCCUPIED):
+    def box(self, x, y, length, depth, angle_deg=0.0):
         """A box around its centre (x, y), turned counter-clockwise."""
         at, u, v = turned(x, y, angle_deg), length / 2, depth / 2
-        self.polygon([at(-u, -v), at(u, -v), at(u, v), at(-u, v)], value)
+        self.polygon([at(-u, -v), at(u, -v), at(u, v), at(-u, v)])
 
     def wall(self, x0, y0, x1, y1, thickness=0.12):
         """A straight wall along the segment, with square ends."""
         angle = math.degrees(math.atan2(y1 - y0, x1 - x0))
         self.box((x0 + x1) / 2, (y0 + y1) / 2, math.hypot(x1 - x0, y1 - y0) + thickness, thickness, angle)
 
-    def disc(self, x, y, radius, value=OCCUPIED):
-        cx, cy, r = (x - self.origin[0]) / FINE_M, (y - self.origin[1]) / FINE_M, radius / FINE_M
-        for row in range(max(0, math.floor(cy - r)), min(self.height, math.ceil(cy + r) + 1)):
-            rest = r * r - (row + 0.5 - cy) ** 2
-            if rest > 0:
-                self.span(row, cx - math.sqrt(rest), cx + math.sqrt(rest), value)
+    def disc(self, x, y, radius):
+        (low, high), cells, columns, rows = self.around([(x - radius, y - radius), (x + radius, y + radius)])
+        middle = (low + high) / 2
+        cells[np.hypot(columns - middle[0], rows - middle[1]) <= radius / FINE_M] = OCCUPIED
 
-    def coarse_rows(self):
-        """5 cm rows, row 0 at the bottom. Unknown only where more than half of the cell is."""
-        rows = []
-        for j in range(0, self.height, RATIO):
-            block = self.rows[j:j + RATIO]
-            row = bytearray()
-            for i in range(0, self.width, RATIO):
-                cell = b"".join(bytes(r[i:i + RATIO]) for r in block)
-                majority = RATIO * RATIO // 2 + 1
-                row.append(OCCUPIED if cell.count(OCCUPIED) >= majority
-                           else UNKNOWN if cell.count(UNKNOWN) >= majority else FREE)
-            rows.append(row)
-        return rows
+    def coarse(self):
+        """5 cm cells, row 0 at the bottom. Unknown only where more than half of the cell is."""
+        height, width = self.cells.shape
+        blocks = self.cells.reshape(height // RATIO, RATIO, width // RATIO, RATIO)
+        mostly = {kind: (blocks == kind).mean((1, 3)) > 0.5 for kind in (OCCUPIED, UNKNOWN)}
+        return np.select(list(mostly.values()), list(mostly), FREE).astype(np.uint8)
 
     def save(self, image=".pgm"):
-        write_map(ROOT / f"maps/fine/{self.name}.yaml", grid_of(self.rows, FINE_M, self.origin), ".png")
-        save_coarse(self.name, self.coarse_rows(), self.origin, image)
+        write_map(ROOT / f"maps/fine/{self.name}.yaml", grid_of(self.cells, FINE_M, self.origin), ".png")
+        save_coarse(self.name, self.coarse(), self.origin, image)
 
 
-def save_coarse(name, rows, origin=(0.0, 0.0), image=".pgm"):
-    grid = grid_of(rows, COARSE_M, origin)
+def save_coarse(name, cells, origin=(0.0, 0.0), image=".pgm"):
+    grid = grid_of(cells, COARSE_M, origin)
     write_map(ROOT / f"maps/{name}.yaml", grid, image)
     occupied, free_m2 = grid.cells.count(OCCUPIED) / len(grid.cells), grid.cells.count(FREE) * COARSE_M ** 2
     print(f"{name}: {grid.width} x {grid.height} cells, {100 * occupied:.2f} % occupied, {free_m2:.0f} m2 free")
 
 
 # ---- the hall: 20 x 10 m --------------------------------------------------------------------------------------------
-def hall_walls(floor):
+def hall(name="hall"):
+    floor = Floor(name, 20.0, 10.0)
     floor.rect(0.0, 0.0, 0.068, 10.0)
     floor.rect(19.934, 0.0, 20.0, 10.0)
     floor.rect(0.0, 0.0, 20.0, 0.057)
     floor.rect(0.0, 9.938, 20.0, 10.0)
-
-
-def hall():
-    floor = Floor("hall", 20.0, 10.0)
-    hall_walls(floor)
-    floor.save()
+    return floor
 
 
 def hall_obstacles():
     """The hall with partition walls, pillars and boxes; nowhere symmetric, so that a scan says where it was taken."""
-    floor = Floor("hall_obstacles", 20.0, 10.0)
-    hall_walls(floor)
+    floor = hall("hall_obstacles")
     floor.wall(5.327, 6.412, 5.327, 9.95)          # partition walls
     floor.wall(9.884, 0.05, 9.884, 2.673)
     floor.wall(14.618, 5.236, 17.437, 5.236)
@@ -134,22 +116,30 @@ def hall_obstacles():
     floor.box(15.762, 8.963, 0.73, 0.52, -18.0)
     floor.box(18.862, 0.383, 1.43, 0.41)
     floor.box(7.637, 0.402, 0.93, 0.43)
-    floor.save()
+    return floor
 
 
 # ---- the office: 52.4 x 31.7 m --------------------------------------------------------------------------------------
 THIN, THICK = 0.11, 0.237
-DOOR_M = 0.96
+DOOR_M, MARGIN_M = 0.96, 0.8
 
 
-def wall_with_doors(floor, fixed, start, end, doors, vertical, thickness=THIN):
+def building(name, width, height):
+    """An outer wall all around, beyond which nothing is known."""
+    floor = Floor(name, width + 2 * MARGIN_M, height + 2 * MARGIN_M, origin=(-MARGIN_M, -MARGIN_M), fill=UNKNOWN)
+    floor.rect(0.0, 0.0, width, height)
+    floor.rect(THICK, THICK, width - THICK, height - THICK, FREE)
+    return floor
+
+
+def wall_with_doors(floor, fixed, start, end, doors, vertical):
     """An axis-parallel wall at x (vertical) or y = `fixed`, with door openings centred at `doors`."""
     edges = [start] + [e for d in sorted(doors) for e in (d - DOOR_M / 2, d + DOOR_M / 2)] + [end]
     for a, b in zip(edges[::2], edges[1::2], strict=True):
         if vertical:
-            floor.rect(fixed - thickness / 2, a, fixed + thickness / 2, b)
+            floor.rect(fixed - THIN / 2, a, fixed + THIN / 2, b)
         else:
-            floor.rect(a, fixed - thickness / 2, b, fixed + thickness / 2)
+            floor.rect(a, fixed - THIN / 2, b, fixed + THIN / 2)
 
 
 def door_leaf(floor, hinge_x, hinge_y, angle_deg):
@@ -183,10 +173,10 @@ def south_rooms(floor):
     walls = [4.913, 9.587, 14.263, 18.937, 23.614, 30.367, 35.041, 43.286]
     for x in walls:
         floor.rect(x - THIN / 2, 0.2, x + THIN / 2, 7.33)
-    lefts, rights = [0.237] + walls, walls + [52.163]
-    doors = [left + 1.17 for left in lefts[:5]] + [26.437, 29.118, 32.663, 37.482, 41.538, 45.263, 50.417]
+    alike = list(pairwise([0.237, *walls[:5]]))
+    doors = [left + 1.17 for left, _ in alike] + [26.437, 29.118, 32.663, 37.482, 41.538, 45.263, 50.417]
     wall_with_doors(floor, 7.334, 0.2, 52.2, doors, vertical=False)
-    for left, right in list(zip(lefts, rights, strict=True))[:5]:
+    for left, right in alike:
         desk(floor, right - 1.347, 1.263, 180.0)
         desk(floor, right - 1.347, 4.462)
         floor.box(left + 0.33, 3.217, 0.44, 1.68)
@@ -309,15 +299,12 @@ def corridor_things(floor):
 
 
 def office():
-    margin = 0.8
-    floor = Floor("office", 54.0, 33.3, origin=(-margin, -margin), fill=UNKNOWN)
-    floor.rect(0.0, 0.0, 52.4, 31.7)
-    floor.rect(THICK, THICK, 52.4 - THICK, 31.7 - THICK, FREE)
+    floor = building("office", 52.4, 31.7)
     south_rooms(floor)
     north_rooms(floor)
     core(floor)
     corridor_things(floor)
-    floor.save()
+    return floor
 
 
 # ---- the works: 132 x 92 m of random rooms ----------------------------------------------------------------------------
@@ -350,10 +337,8 @@ def row_of_rooms(floor, draw, left, right, low, high, door_y):
 
 def works():
     """More than 10,000 m2: five corridors, two cross corridors, and rooms of random widths on both sides."""
-    margin, width, height, draw = 0.8, 132.0, 92.4, random.Random(5).random
-    floor = Floor("works", width + 2 * margin, height + 2 * margin, origin=(-margin, -margin), fill=UNKNOWN)
-    floor.rect(0.0, 0.0, width, height)
-    floor.rect(THICK, THICK, width - THICK, height - THICK, FREE)
+    width, height, draw = 132.0, 92.4, random.Random(5).random
+    floor = building("works", width, height)
     for row in range(5):                                        # a corridor between two rows of rooms each
         low = THICK + 18.4 * row
         deep, corridor = 6.3 + 1.9 * draw(), 1.9 + 0.9 * draw()
@@ -369,17 +354,16 @@ def works():
                 floor.rect(left, top, right, top + THIN)
         for _ in range(9):
             floor.box(1.0 + draw() * (width - 2.0), low + deep + 0.3, 0.5 + draw(), 0.4)
-    floor.save(image=".png")
+    return floor
 
 
 def empty():
     """The worst case of Paz et al. 2012: no ray ends within its range. 800 x 600 free cells of 5 cm."""
-    save_coarse("empty", [bytes([FREE]) * 800] * 600)
+    save_coarse("empty", np.full((600, 800), FREE, np.uint8))
 
 
 if __name__ == "__main__":
-    hall()
-    hall_obstacles()
-    office()
-    works()
+    for plan in (hall(), hall_obstacles(), office()):
+        plan.save()
+    works().save(image=".png")
     empty()

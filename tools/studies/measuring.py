@@ -50,12 +50,9 @@ class Program:
         try:
             out, err = process.communicate(timeout=self.timeout_s)
         except subprocess.TimeoutExpired:
-            process.kill()
             raise Failure(3, f"{self.path} took longer than {self.timeout_s} s") from None
-        except BaseException:
-            process.kill()
-            raise
         finally:
+            process.kill()  # nothing happens to one that has ended
             with self.lock:
                 self.running.discard(process)
         if process.returncode != 0:
@@ -81,22 +78,22 @@ class Bench:
         if not os.access(args.out, os.W_OK):
             raise Failure(2, f"{args.out}: expected a folder that can be written")
 
-    def measure(self, tasks, text_of, *programs):
-        """The results of tasks {key: function} in that order, --jobs at a time, and how it ended: None or a Failure."""
-        results, end = {}, None
+    def measure(self, run, keys, text_of, *programs):
+        """run(bench, *key) of all keys {key: result} in their order, --jobs at a time, and how it ended: None or a Failure."""
+        results, end, keys = {}, None, dict.fromkeys(keys)
         pool = concurrent.futures.ThreadPoolExecutor(getattr(self.args, "jobs", 1))
         try:
-            futures = {pool.submit(function): key for key, function in tasks.items()}
+            futures = {pool.submit(run, self, *key): key for key in keys}
             for future in concurrent.futures.as_completed(futures):
                 key = futures[future]
                 results[key] = future.result()
-                print(f"[{len(results):3}/{len(tasks)}] {text_of(key, results[key])}", file=sys.stderr, flush=True)
+                print(f"[{len(results):3}/{len(keys)}] {text_of(key, results[key])}", file=sys.stderr, flush=True)
         except (KeyboardInterrupt, Failure) as stop:
             end = stop if isinstance(stop, Failure) else Failure(130, "interrupted")
             for program in (self.program, *programs):
                 program.stop()
         pool.shutdown(cancel_futures=True)
-        return {key: results[key] for key in tasks if key in results}, end
+        return {key: results[key] for key in keys if key in results}, end
 
 
 # ---- Command line ------------------------------------------------------------------------------------------------------
@@ -154,14 +151,10 @@ def parse(description, commands, arguments=None):
     return args
 
 
-def interrupt(*_):
-    raise KeyboardInterrupt
-
-
 def reported(work):
     """What work() returns, with one line and an exit code for what goes wrong."""
     name = pathlib.Path(sys.argv[0]).name
-    signal.signal(signal.SIGTERM, interrupt)
+    signal.signal(signal.SIGTERM, signal.default_int_handler)
     try:
         return work()
     except Failure as failure:

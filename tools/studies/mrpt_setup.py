@@ -22,7 +22,7 @@ MRPT_RAY_HIT, MRPT_RAY_FLOOR_M = 0.9, 0.1  # likelihood 0.9 exp(-d^2 / 2 sigma^2
 # ---- What is compared --------------------------------------------------------------------------------------------------
 
 
-@dataclass
+@dataclass(frozen=True)
 class Row:
     key: str
     text: str

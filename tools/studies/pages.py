@@ -15,19 +15,13 @@ from measuring import ROOT
 # ---- Where and how it was measured -------------------------------------------------------------------------------------
 
 
-def git(*arguments):
-    try:
-        return subprocess.run(["git", *arguments], cwd=ROOT, check=True, capture_output=True, text=True).stdout.strip()
-    except (OSError, subprocess.CalledProcessError):
-        return None
-
-
 def commit():
     """The commit of this tree; -dirty if a file that git knows differs from it."""
-    short = git("rev-parse", "--short", "HEAD")
-    if short is None:
+    command = ["git", "--no-optional-locks", "describe", "--always", "--dirty", "--exclude=*"]  # by its hash, never by a tag
+    try:
+        return subprocess.run(command, cwd=ROOT, check=True, capture_output=True, text=True).stdout.strip()
+    except (OSError, subprocess.CalledProcessError):
         return "unknown (no git repository)"
-    return short + ("-dirty" if git("--no-optional-locks", "status", "--porcelain", "--untracked-files=no") else "")
 
 
 def cpu_model():
@@ -160,33 +154,34 @@ def json_text(record):
     return f'{head[:-2]},\n "runs": [\n  {runs}\n ]\n}}\n'
 
 
-def write_results(folder, name, record, text):
-    """NAME.md and NAME.json; a partial result gets its own name so that it replaces no complete one."""
+def write_results(bench, name, record, page, kept=True, end=None):
+    """Writes NAME.md and NAME.json and gives the exit code, by whether the bars are kept, or raises what ended the runs. A
+    partial result gets its own name so that it replaces no complete one."""
     stem = name + (".partial" if record["partial"] else "")
-    for suffix, content in ((".json", json_text(record)), (".md", text.rstrip() + "\n")):
-        path = folder / (stem + suffix)
+    for suffix, content in ((".json", json_text(record)), (".md", page(record).rstrip() + "\n")):
+        path = bench.args.out / (stem + suffix)
         draft = path.with_name(path.name + ".tmp")
         draft.write_text(content)
         draft.replace(path)
         print(path, file=sys.stderr)
+    if end:
+        raise end
+    return 0 if kept else 1
 
 
-def study(bench, name, tasks, text_of, page, refine=None, holds=None, **facts):
-    """Measures, writes what there is, and gives the exit code. refine(results) may add to them before, and holds(record) says
-    whether bars are kept that are not those of a single run."""
+def study(bench, name, run, keys, text_of, page, refine=None, holds=None, **facts):
+    """Measures run(bench, *key) of all keys, writes what there is, and gives the exit code. refine(results) may add to them
+    before, and holds(record) says whether bars are kept that are not those of a single run."""
     facts = circumstances(bench.program) | facts  # before a break, after which nothing is run any more
-    results, end = bench.measure(tasks, text_of)
+    results, end = bench.measure(run, keys, text_of)
     if refine:
         refine(results)
     runs = list(results.values())
     if not runs:
         raise end
     backends, configs = {run.pop("backend") for run in runs}, [run.pop("config") for run in runs]
-    record = {"partial": end is not None, "ended_by": str(end) if end else None, "runs_planned": len(tasks),
+    record = {"partial": end is not None, "ended_by": str(end) if end else None, "runs_planned": len(set(keys)),
               **facts, "backend": ", ".join(sorted(backends)),
               "config": {key: value for key, value in configs[0].items() if key != "seed"}, "runs": runs}
-    write_results(bench.args.out, name, record, page(record))
-    if end:
-        raise end
     kept = all(run.get("within_bars", True) for run in runs) and (holds is None or holds(record))
-    return 0 if kept else 1
+    return write_results(bench, name, record, page, kept, end)

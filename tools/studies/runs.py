@@ -9,8 +9,6 @@ from logs import Truth, read_tum
 from measuring import ROOT, Failure
 from poses import wrap
 
-FILTER_ALONE = {"localize": {"health": False}}  # of a configuration: no search helps the filter
-
 
 def yaml_text(settings, indent=""):
     """Of a configuration or a scenario; a group without settings is left out."""
@@ -43,6 +41,16 @@ def simulate(bench, scenario, seed, name, lidar=None):
     return out, bench.program("simulate", "--scenario", scenario, *seeded, "--out", out)
 
 
+def report_of(bench, command, name, arguments):
+    """What `parloc COMMAND` writes into the folder NAME (COMMAND.json), in which no folder of this machine is named."""
+    out = bench.folder / name
+    bench.program(command, "--quiet", "--out", out, *arguments)
+    text = (out / f"{command}.json").read_text()
+    for folder, name_of in ((str(bench.args.data), "$PARLOC_DATA"), (f"{ROOT}/", ""), (f"{bench.folder}/", "")):
+        text = text.replace(folder, name_of)
+    return json.loads(text)
+
+
 def files_of(grid, folder):
     """Options for a simulated log on a map."""
     return ["--map", grid, "--log", folder / "scans.log", "--truth", folder / "truth.tum"]
@@ -62,11 +70,12 @@ def rms(values):
 
 
 def localize(bench, name, seed, arguments, config=None):
-    """The metrics of one run, its pose errors, and the truth. `config` is the text of a configuration."""
+    """The metrics of one run, its pose errors, and the truth. `config` is the text of a configuration, with which no search
+    helps the filter."""
     out = bench.folder / "".join(letter for letter in name.replace(" ", "_") if letter not in ",/")
     if config is not None:
         path = out.with_name(f"{out.name}.yaml")
-        path.write_text(config)
+        path.write_text(config + yaml_text({"localize": {"health": False}}))
         arguments = [*arguments, "--config", path]
     try:
         metrics = json.loads(bench.program("run", *arguments, "--seed", seed, "--threads", 1, "--json", "--quiet", "--out",

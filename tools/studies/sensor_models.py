@@ -13,7 +13,7 @@ from functools import partial
 import measuring
 from measuring import JOBS, count
 from pages import average, circumstances_text, first_lines, mean, share_of, study, table, table_of_groups, where, worst
-from runs import FILTER_ALONE, common_values, files_of, localize, simulate, yaml_text
+from runs import common_values, files_of, localize, simulate, yaml_text
 
 SCENES = {"office": ("configs/office_scenario.yaml", "maps/office.yaml"),
           "clutter": ("configs/office_clutter_scenario.yaml", "maps/office.yaml"),
@@ -36,7 +36,7 @@ def simulated(bench, scene, seed):
 def model_run(bench, scene, seed, label, settings):
     log = f"{scene}_{seed}"
     metrics, _, _ = localize(bench, f"{log}_{label}", seed, files_of(SCENES[scene][1], bench.folder / log),
-                             yaml_text({"sensor": settings, **FILTER_ALONE}))
+                             yaml_text({"sensor": settings}))
     nees = metrics["nees"]
     return {"scene": scene, "seed": seed, "model": label, "settings": settings,
             "effective_beams": metrics["config"]["sensor"]["effective_beams"],
@@ -51,7 +51,11 @@ def number(value):
 
 # ---- nees ----------------------------------------------------------------------------------------------------------------
 
-NEES_TEXT = """
+
+def nees_page(record, seeds, sweep_seeds):
+    low, high = bounds_of(seeds)
+    own, swept = ([run for run in record["runs"] if run.get("sweep", False) == sweep] for sweep in (False, True))
+    return f"""{first_lines("Whether the covariance says how far off the filter is (NEES)", record)}
 The error e of a filter over its own covariance P, e' P^-1 e in x, y and heading, is 3 in the mean if the covariance says how far off
 it is; more is over-confident, less too careful. Beams are not independent, so that the plain product of their likelihoods is
 over-confident, and the more so the more beams there are. `sensor.effective_beams` is how many independent ones a scan is worth.
@@ -59,14 +63,14 @@ over-confident, and the more so the more beams there are. `sensor.effective_beam
 Defaults, {seeds} seeds each, mean over all scans and seeds. The 95 % bounds of the mean of {seeds} independent values of chi-square with 3
 degrees of freedom are {low:.2f} to {high:.2f}:
 
-{defaults}
+{nees_table(own, seeds)}
 
 ## How the number was chosen
 
 {sweep_seeds} seeds. The number whose mean NEES is nearest to 3 in the office, where the map is further off
 than in the hall, so that it is careful there. The bounds are those of the table above. It hardly changes the accuracy.
 
-{sweep}
+{nees_table(swept, seeds)}
 
 ## What limits it
 
@@ -80,7 +84,8 @@ than in the hall, so that it is careful there. The bounds are those of the table
 - Means of hundreds and more are those of a few steps whose covariance is next to nothing: too many effective beams leave too few
   particles.
 - The mean is over all scans of a run, which are not independent; the bounds hold for one time step of {seeds} runs.
-"""  # noqa: E501
+
+{circumstances_text(record)}"""  # noqa: E501
 
 
 def bounds_of(seeds):
@@ -89,8 +94,7 @@ def bounds_of(seeds):
 
 def nees_table(runs, seeds):
     low, high = bounds_of(seeds)
-    keys = sorted({(r["scene"], r["model"], r["effective_beams"]) for r in runs},
-                  key=lambda k: (-ord(k[0][0]), MODELS.index(k[1]), k[2]))
+    keys = dict.fromkeys((r["scene"], r["model"], r["effective_beams"]) for r in runs)
     groups = {(scene, model, f"{beams:g}"): where(runs, scene=scene, model=model, effective_beams=beams)
               for scene, model, beams in keys}
 
@@ -107,7 +111,9 @@ def nees_table(runs, seeds):
         "RMSE": average("rmse_m", 1, 100, " cm"), "mean within the bounds": verdict})
 
 
-def swept_run(bench, scene, seed, model, beams):
+def nees_run(bench, scene, model, beams, seed):
+    if beams == "default":
+        return model_run(bench, scene, seed, model, {"model": model})
     settings = {"model": model, "effective_beams": beams}
     return {**model_run(bench, scene, seed, f"{model}_{beams}", settings), "model": model, "sweep": True}
 
@@ -115,44 +121,39 @@ def swept_run(bench, scene, seed, model, beams):
 def nees(bench):
     """NEES of each model"""
     seeds, sweep_seeds = bench.args.seeds, min(bench.args.seeds, bench.args.sweep_seeds)
-    tasks = {}
+    keys = []
     for scene in ("office", "hall"):
         for seed in range(1, seeds + 1):
             simulated(bench, scene, seed)
-            tasks |= {(scene, model, "default", seed): partial(model_run, bench, scene, seed, model, {"model": model})
-                      for model in MODELS}
-        tasks |= {(scene, model, beams, seed): partial(swept_run, bench, scene, seed, model, beams)
-                  for seed in range(1, sweep_seeds + 1) for model, numbers in SWEEP.items() for beams in numbers}
-
-    def page(record):
-        low, high = bounds_of(seeds)
-        own, swept = ([run for run in record["runs"] if run.get("sweep", False) == sweep] for sweep in (False, True))
-        return first_lines("Whether the covariance says how far off the filter is (NEES)", record) + NEES_TEXT.format(
-            seeds=seeds, sweep_seeds=sweep_seeds, low=low, high=high, defaults=nees_table(own, seeds),
-            sweep=nees_table(swept, seeds)) + "\n" + circumstances_text(record)
-
-    return study(bench, "nees", tasks, lambda key, run: (
-        f"{key}: NEES {number(run['nees_mean'])}, RMSE {100 * run['rmse_m']:.1f} cm"), page)
+            keys += [(scene, model, "default", seed) for model in MODELS]
+        keys += [(scene, model, beams, seed)
+                 for seed in range(1, sweep_seeds + 1) for model, numbers in SWEEP.items() for beams in numbers]
+    return study(bench, "nees", nees_run, keys, lambda key, run: (
+        f"{key}: NEES {number(run['nees_mean'])}, RMSE {100 * run['rmse_m']:.1f} cm"),
+        partial(nees_page, seeds=seeds, sweep_seeds=sweep_seeds))
 
 
 # ---- clutter -------------------------------------------------------------------------------------------------------------
 
-def settings_of(model):
-    return {"model": "gaussian", "sigma_hit": 0.1, "tempering": 1} if model == PLAIN else {"model": model}
-
-
 CLUTTER_MODELS = (PLAIN, "beam", "class_conditional", "likelihood_field_prob")
 MUST_TRACK = "class_conditional"  # in every seed
 
-CLUTTER_TEXT = """
-The office drive ([office_clutter_scenario.yaml]({scenario})) with boxes beside the path and people around the robot, none of them
-on the map: {share_low:.1f} to {share_high:.1f} % of the beams that hit something hit them. The same drive without them is the clean one.
-{seeds} seeds; each is another noise, other boxes and other people. A seed is tracked if the RMSE of the position is below {bar:g} times
+
+def clutter_run(bench, model, scene, seed):
+    settings = {"model": "gaussian", "sigma_hit": 0.1, "tempering": 1} if model == PLAIN else {"model": model}
+    return model_run(bench, scene, seed, model, settings)
+
+
+def clutter_page(record, shares):
+    return f"""{first_lines("Among people and boxes that are not on the map", record)}
+The office drive ([office_clutter_scenario.yaml](../../{SCENES["clutter"][0]})) with boxes beside the path and people around the robot, none of them
+on the map: {min(shares.values()):.1f} to {max(shares.values()):.1f} % of the beams that hit something hit them. The same drive without them is the clean one.
+{len(shares)} seeds; each is another noise, other boxes and other people. A seed is tracked if the RMSE of the position is below {CLUTTER_BAR:g} times
 that of the same model on the clean log of the same seed.
 
-{summary}
+{clutter_summary(record["runs"])}
 
-`{plain}` is the model of Paz et al. 2012 with sigma 0.1 m. The others have their defaults.
+`{PLAIN}` is the model of Paz et al. 2012 with sigma 0.1 m. The others have their defaults.
 
 `likelihood_field_prob` has nav2's `beam_skip_distance` of 0.5 m, within which a person beside a wall passes for the wall. With 0.2 m
 seeds 1 to 3 give 3.5, 3.3 and 3.8 cm instead of 4.7, 4.7 and 5.9 cm (measured apart from the table).
@@ -161,8 +162,9 @@ seeds 1 to 3 give 3.5, 3.3 and 3.8 cm instead of 4.7, 4.7 and 5.9 cm (measured a
 
 RMSE of the position among people, and in brackets without them [cm]:
 
-{every}
-"""  # noqa: E501
+{clutter_seeds(record["runs"], shares)}
+
+{circumstances_text(record)}"""  # noqa: E501
 
 
 def clutter_summary(runs):
@@ -194,8 +196,6 @@ def clutter(bench):
     for seed in range(1, bench.args.seeds + 1):
         simulated(bench, "office", seed)
         shares[seed] = simulated(bench, "clutter", seed)
-    tasks = {(model, scene, seed): partial(model_run, bench, scene, seed, model, settings_of(model))
-             for model in CLUTTER_MODELS for seed in shares for scene in ("office", "clutter")}
 
     def compare_with_clean(results):
         for (model, scene, seed), run in results.items():
@@ -206,15 +206,10 @@ def clutter(bench):
                 if model == MUST_TRACK:
                     run["within_bars"] = run["times_clean"] < CLUTTER_BAR
 
-    def page(record):
-        return first_lines("Among people and boxes that are not on the map", record) + CLUTTER_TEXT.format(
-            scenario="../../" + SCENES["clutter"][0], seeds=len(shares), bar=CLUTTER_BAR, plain=PLAIN,
-            share_low=min(shares.values()), share_high=max(shares.values()), summary=clutter_summary(record["runs"]),
-            every=clutter_seeds(record["runs"], shares)) + "\n" + circumstances_text(record)
-
-    return study(bench, "clutter", tasks, lambda key, run: (
-        f"{key[0]}, {key[1]}, seed {key[2]}: RMSE {100 * run['rmse_m']:.1f} cm, maximum {run['max_m']:.2f} m"), page,
-        compare_with_clean)
+    keys = [(model, scene, seed) for model in CLUTTER_MODELS for seed in shares for scene in ("office", "clutter")]
+    return study(bench, "clutter", clutter_run, keys, lambda key, run: (
+        f"{key[0]}, {key[1]}, seed {key[2]}: RMSE {100 * run['rmse_m']:.1f} cm, maximum {run['max_m']:.2f} m"),
+        partial(clutter_page, shares=shares), compare_with_clean)
 
 
 if __name__ == "__main__":

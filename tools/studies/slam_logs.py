@@ -10,7 +10,6 @@ import json
 import math
 import resource
 import sys
-from functools import partial
 
 import measuring
 from measuring import DATA, JOBS, Failure, count, option, subset
@@ -131,25 +130,27 @@ def part_table(record, part):
     return table_of_groups(("log", ""), groups, COLUMNS) if groups else "Not measured."
 
 
-RELATIONS_TEXT = """
+def page(record):
+    partial = f"\n**Partial: {record['ended_by']}.**\n" if record["partial"] else ""
+    parts = "".join(f"\n## {PARTS[part][0]}\n\n{part_table(record, part)}\n" for part in record["parts"])
+    published = [(log, *(f"{figure:.3f}" for figure in figures)) for log, figures in PUBLISHED.items()]
+    return f"""# Maps from recorded logs
+
+How it works: [slam](../slam.md).
+{partial}
+{bars_table(judged(record))}
+
 Relation error: mean over the relations; mean over the seeds and, in brackets, from best to worst. "Ancestors half way": how \
 many poses of the scan in the middle the particles of the end go back to. "One way": scans from the start on for which that \
 is one. 2580 scans are taken in of Intel, 1279 of ACES. Times are of both cores, and the sum of what they worked.
-"""
+{parts}
+## Published
 
+Kuemmerle et al. 2009, translation [m]; from a secondary tabulation:
 
-def page(record):
-    text = "# Maps from recorded logs\n\nHow it works: [slam](../slam.md).\n"
-    if record["partial"]:
-        text += f"\n**Partial: {record['ended_by']}.**\n"
-    text += "\n" + bars_table(judged(record)) + "\n"
-    text += RELATIONS_TEXT
-    for part in record["parts"]:
-        text += f"\n## {PARTS[part][0]}\n\n{part_table(record, part)}\n"
-    text += "\n## Published\n\nKuemmerle et al. 2009, translation [m]; from a secondary tabulation:\n\n"
-    text += table(("log", "scan matching", "RBPF, 50 particles", "graph mapping"),
-                  [(log, *(f"{v:.3f}" for v in PUBLISHED[log])) for log in PUBLISHED])
-    return text + "\n\n" + circumstances_text(record)
+{table(("log", "scan matching", "RBPF, 50 particles", "graph mapping"), published)}
+
+{circumstances_text(record)}"""
 
 
 def run(bench):
@@ -157,13 +158,12 @@ def run(bench):
     needed = [DATA / log / name for log in PUBLISHED for name in ("scans.log", "relations.txt")]
     if missing := [path for path in needed if not path.is_file()]:
         raise Failure(2, f"{missing[0]}: expected this file; PARLOC_DATA names the folder of the logs")
-    tasks = {(log, tuple(settings.items()), seed): partial(one_run, bench, log, tuple(settings.items()), seed)
-             for part in args.parts for log in args.logs for settings in PARTS[part][2].values()
-             for seed in range(1, (PARTS[part][1] or args.seeds) + 1)}
+    keys = [(log, tuple(settings.items()), seed) for part in args.parts for log in args.logs
+            for settings in PARTS[part][2].values() for seed in range(1, (PARTS[part][1] or args.seeds) + 1)]
     if args.jobs > 1:
         print("slam_logs.py: with several runs at a time none has its own time", file=sys.stderr)
-    return study(bench, args.name, tasks, text_of, page, holds=lambda record: all(kept for _, _, kept in judged(record)),
-                 parts=args.parts, seeds=args.seeds)
+    return study(bench, args.name, one_run, keys, text_of, page, parts=args.parts, seeds=args.seeds,
+                 holds=lambda record: all(kept for _, _, kept in judged(record)))
 
 
 if __name__ == "__main__":

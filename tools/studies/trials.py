@@ -12,11 +12,13 @@ import os
 import sys
 
 import measuring
-from measuring import LOGS_FOLDER, ROOT, count, option, path, subset
+from logs import RECORDED
+from measuring import LOGS_FOLDER, count, option, path, subset
 from pages import fixed
+from runs import report_of
 
 OFFICE, WORKS = "configs/office_scenario.yaml", "configs/works_scenario.yaml"
-SCENES = {  # row: arguments, trials; real logs: folder, map
+SCENES = {  # row: arguments, trials
     "office360": (["--scenario", OFFICE, "--range", 8], 1000),
     "works": (["--scenario", WORKS, "--range", 8], 300),
     "fov180": (["--scenario", OFFICE, "--range", 8, "--fov", 180], 200),
@@ -26,7 +28,6 @@ SCENES = {  # row: arguments, trials; real logs: folder, map
     "kidnap": (["--scenario", OFFICE, "--range", 8, "--task", "kidnap"], 200),
     "track": (["--scenario", OFFICE, "--range", 8, "--task", "track", "--duration", 60], 50),
 }
-LOGS = {"intel": "map.yaml", "aces": "map.yaml", "tb3_house": "map_05.yaml"}
 
 
 def share_of(rate):
@@ -81,19 +82,16 @@ def arguments_of(args, name):
     if not (folder / "scans.log").exists():
         print(f"{name}: left out, {folder / 'scans.log'} is not there", file=sys.stderr)
         return None
-    return ["--log", folder / "scans.log", "--map", folder / LOGS[name], "--truth", folder / "reference.tum",
+    return ["--log", folder / "scans.log", "--map", folder / RECORDED[name], "--truth", folder / "reference.tum",
             "--starts", max(1, round(20 * args.share))]
 
 
 def evaluate(bench, name, arguments):
-    args, out = bench.args, bench.folder / name
+    args, arguments = bench.args, [*arguments, "--jobs", bench.args.jobs]
     samples = ["--samples", args.samples / f"{name}.csv"] if args.samples else []
-    bench.program("evaluate", *arguments, "--jobs", args.jobs, "--quiet", "--out", out, *samples)
-    text = (out / "evaluate.json").read_text().replace(str(args.data), "$PARLOC_DATA")
-    result = json.loads(text.replace(f"{ROOT}/", ""))
+    result = report_of(bench, "evaluate", name, [*arguments, *samples])
     del result["trials"]
-    result["command"] = "parloc evaluate " + " ".join(str(a) for a in [*arguments, "--jobs", args.jobs]).replace(
-        str(args.data), "$PARLOC_DATA")
+    result["command"] = f"parloc evaluate {' '.join(map(str, arguments))}".replace(str(args.data), "$PARLOC_DATA")
     return result
 
 
@@ -102,7 +100,7 @@ def run(bench):
     if args.samples:
         args.samples.mkdir(parents=True, exist_ok=True)
     path, results, kept = args.out / "evaluate.json", {}, True
-    if path.exists() and len(args.only) < len(SCENES) + len(LOGS):
+    if path.exists() and len(args.only) < len(SCENES) + len(RECORDED):
         results = json.loads(path.read_text())  # the other rows stay
     for name in args.only:
         arguments = arguments_of(args, name)
@@ -127,5 +125,5 @@ def share(text):
 if __name__ == "__main__":
     sys.exit(measuring.study(__doc__, {run: (
         option("--share", 1.0, "share of the trials, above 0 and at most 1", type=share, metavar="S"),
-        subset("--only", [*SCENES, *LOGS], "rows", "ROW"), count("--jobs", os.cpu_count(), "trials at a time"),
+        subset("--only", [*SCENES, *RECORDED], "rows", "ROW"), count("--jobs", os.cpu_count(), "trials at a time"),
         path("--samples", None, "keep every scan's values here (ROW.csv)"), LOGS_FOLDER)}))

@@ -4,18 +4,46 @@
 #pragma once
 
 #include <bit>
+#include <cstdint>
 #include <string>
 #include <vector>
 
 #include "common/error.h"
 #include "common/filter/beam_votes.h"
 #include "common/filter/bind.h"
-#include "common/filter/engine/bin_arrays.h"
+#include "common/filter/bins.h"
 #include "common/filter/engine/map_tables.h"
 #include "common/filter/engine/step_input_buffer.h"
 #include "common/filter/engine/weighted_cloud.h"
 
 namespace parloc {
+
+/// A table of bins in the memory of a backend. Empty, for so many particles.
+template <class Space>
+class BinArrays {
+ public:
+  BinArrays(std::size_t particles, typename Space::Queue& queue) : capacity_(bin_capacity(particles)) {
+    for (auto* b : {&key_, &weight_}) b->reserve(capacity_);
+    parent_.reserve(capacity_);
+    for (auto* b : {&slot_of_, &used_}) b->reserve(particles);
+    used_count_.reserve(1);
+    Space::clear_bins(view(), queue);
+  }
+  BinTable view() {
+    return {.key = key_.data(),
+            .weight = weight_.data(),
+            .parent = parent_.data(),
+            .slot_of = slot_of_.data(),
+            .used = used_.data(),
+            .used_count = used_count_.data(),
+            .capacity = capacity_};
+  }
+
+ private:
+  std::uint32_t capacity_;
+  typename Space::template Array<std::uint64_t> key_, weight_, used_count_;
+  typename Space::template Array<std::uint32_t> parent_, slot_of_, used_;
+};
 
 /// Stages are only noted when they are asked for; finish() starts them all, recorded as one piece where the
 /// space can do that and the same step has been seen before.

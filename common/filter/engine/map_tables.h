@@ -6,7 +6,7 @@
 
 #include "common/filter/bind.h"
 #include "common/filter/start.h"
-#include "common/map/blocking_cells.h"
+#include "common/map/grid_map.h"
 #include "common/map/rays/skip_field.h"
 #include "common/map/rays/wall_index.h"
 

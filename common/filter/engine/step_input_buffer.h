@@ -2,7 +2,6 @@
 #pragma once
 
 #include <algorithm>
-#include <array>
 #include <cstddef>
 
 #include "common/filter/stages.h"
@@ -24,10 +23,8 @@ class StepInputBuffer {
     const bool moves = t.count > capacity_;
     if (moves) grow(t.count);
     host().scan = t;
-    const std::array from = {&t.origin_x, &t.origin_y,      &t.direction_x, &t.direction_y,
-                             &t.range_m,  &t.short_density, &t.end_x,       &t.end_y};
-    for (std::size_t k = 0; k < from.size(); ++k)
-      std::copy(from[k]->begin(), from[k]->end(), array(memory_.host(), k));
+    for (std::size_t k = 0; k < kBeamArrays.size(); ++k)
+      std::copy((t.*kBeamArrays[k]).begin(), (t.*kBeamArrays[k]).end(), array(memory_.host(), k));
     return moves;
   }
 
@@ -40,15 +37,13 @@ class StepInputBuffer {
   }
 
  private:
-  static constexpr std::size_t kArrays = 8;
-
   float* array(unsigned char* memory, std::size_t k) const {
     return reinterpret_cast<float*>(memory + sizeof(StepInput)) + k * capacity_;
   }
   void grow(std::size_t beams) {
     const StepInput kept = memory_.size() == 0 ? StepInput{} : host();
     capacity_ = (beams + 15) / 16 * 16;  // whole vectors
-    memory_.reserve(sizeof(StepInput) + kArrays * capacity_ * sizeof(float));
+    memory_.reserve(sizeof(StepInput) + kBeamArrays.size() * capacity_ * sizeof(float));
     std::fill_n(memory_.host(), memory_.size(), static_cast<unsigned char>(0));
     host() = kept;
   }

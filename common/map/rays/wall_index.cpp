@@ -53,14 +53,11 @@ WallIndex index_walls(const GridMap& map) {
       throw Error(ErrorKind::internal, map.name + ": expected all walls a cell or more inside the grid");
   }
   const double margin = margin_cells(map);
-  const auto cell_of = [&](std::int32_t i, std::int32_t j) {
-    return static_cast<std::size_t>(j) * static_cast<std::size_t>(map.width) + static_cast<std::size_t>(i);
-  };
   std::vector<std::uint64_t> count(map.size(), 0);
   std::uint64_t total = 0;
   for (const RayWall& w : index.walls) {
     along_wall(w, margin, [&](std::int32_t i, std::int32_t j) {
-      if (map.contains(i, j)) ++count[cell_of(i, j)], ++total;
+      if (map.contains(i, j)) ++count[map.index(i, j)], ++total;
     });
   }
   if (total > static_cast<std::uint64_t>(std::numeric_limits<std::int32_t>::max()))
@@ -76,7 +73,7 @@ WallIndex index_walls(const GridMap& map) {
   std::vector<std::uint32_t> next(index.first.begin(), index.first.end() - 1);
   for (std::size_t k = 0; k < index.walls.size(); ++k) {
     along_wall(index.walls[k], margin, [&](std::int32_t i, std::int32_t j) {
-      if (map.contains(i, j)) index.ids[next[cell_of(i, j)]++] = static_cast<std::uint32_t>(k);
+      if (map.contains(i, j)) index.ids[next[map.index(i, j)]++] = static_cast<std::uint32_t>(k);
     });
   }
   return index;

@@ -1,6 +1,6 @@
 #include "tools/bench/steps/rig.h"
 
-#include "tools/bench/steps/control.h"
+#include "tools/bench/steps/measure.h"
 
 namespace parloc::tools::bench {
 namespace {

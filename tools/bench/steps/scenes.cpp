@@ -4,6 +4,8 @@
 
 #include <cmath>
 #include <cstddef>
+#include <filesystem>
+#include <system_error>
 
 #include "common/error.h"
 #include "common/filter/start.h"
@@ -11,6 +13,7 @@
 #include "common/math/philox.h"
 #include "common/math/portable64.h"
 #include "common/simulator/simulator.h"
+#include "tools/report/machine/machine.h"
 
 namespace parloc::tools::bench {
 namespace {
@@ -59,6 +62,20 @@ Scene from_map(const std::string& name, const std::string& what, const std::stri
   return scene;
 }
 
+namespace fs = std::filesystem;
+
+bool is_folder(const fs::path& path) {
+  std::error_code ignored;
+  return fs::is_directory(path, ignored);
+}
+
+/// Beside the program, as installed; empty if the program's own path cannot be found out.
+fs::path installed_folder() {
+  std::error_code error;
+  const fs::path program = fs::read_symlink("/proc/self/exe", error);
+  return error ? fs::path() : (program.parent_path() / kMapsFromProgram).lexically_normal();
+}
+
 }  // namespace
 
 Scene make_scene(const std::string& name, const std::string& maps_folder) {
@@ -96,6 +113,20 @@ Scan make_scan(const Scene& scene, int beams) {
 ParticleSet make_cloud(const Scene& scene, Cloud cloud, std::int64_t particles) {
   return cloud == Cloud::tracking ? gaussian_start(scene.map, scene.pose, 0.2, 0.2, 0.1, particles, kSeed)
                                   : uniform_start(scene.start_area, particles, kSeed);
+}
+
+std::string find_maps_folder(const std::string& given) {
+  if (!given.empty()) {
+    if (!is_folder(given)) throw Error(ErrorKind::input, given + ": expected a folder of maps (--maps)");
+    return given;
+  }
+  const fs::path installed = installed_folder();
+  for (const fs::path& path : {installed, fs::path(kMapsOfSource)}) {
+    if (!path.empty() && is_folder(path)) return path.string();
+  }
+  throw Error(ErrorKind::input,
+              fmt::format("the maps that come with parloc are neither in {} nor in {}: give --maps DIR",
+                          installed.string(), kMapsOfSource));
 }
 
 }  // namespace parloc::tools::bench

@@ -40,4 +40,8 @@ Scan make_scan(const Scene& scene, int beams);
 /// tracking: Gaussian about the scene's pose, 0.2 m and 0.1 rad. global: uniform over the start area.
 ParticleSet make_cloud(const Scene& scene, Cloud cloud, std::int64_t particles);
 
+/// `given`, if not empty; else the maps of the installation that this program is part of; else those of the
+/// source tree it was built from. Throws Error{input} that says where it looked if there is no such folder.
+std::string find_maps_folder(const std::string& given);
+
 }  // namespace parloc::tools::bench

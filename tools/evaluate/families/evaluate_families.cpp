@@ -13,7 +13,6 @@
 #include "tools/evaluate/families/families_report.h"
 #include "tools/evaluate/families/run_drives.h"
 #include "tools/program/commands.h"
-#include "tools/program/interrupt.h"
 #include "tools/program/output_folder.h"
 #include "tools/program/parse_number.h"
 #include "tools/program/progress.h"
@@ -48,7 +47,7 @@ DriveSource source_of(const FamiliesOptions& o) {
 
 void run_all(FamiliesReport& report, const DriveSource& source, bool quiet) {
   catch_interrupts();
-  Progress progress(Progress::style_here(quiet));
+  Progress progress(quiet);
   families::DrivesRequest request{report.config, report.jobs, interrupted, {}};
   request.progress = [&](double fraction, std::size_t finished) {
     progress.update(fraction, fmt::format("{} of {} drives", finished, source.drives));

@@ -2,12 +2,10 @@
 #include <optional>
 
 #include "tools/evaluate/families/families_report.h"
-#include "tools/report/machine/machine_json.h"
+#include "tools/report/result_parts.h"
 
 namespace parloc::tools::families {
 namespace {
-
-using Json = nlohmann::ordered_json;  // what is not finite is null
 
 Json rate_json(const Rate& r) {
   return {{"hits", r.hits}, {"of", r.trials}, {"share", r.share}, {"low", r.low}, {"high", r.high}};

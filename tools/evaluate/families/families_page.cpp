@@ -1,8 +1,8 @@
 #include <fmt/format.h>
 
 #include "tools/evaluate/families/families_report.h"
-#include "tools/report/html_page.h"
-#include "tools/report/plots/svg_plot.h"
+#include "tools/report/plots/plot.h"
+#include "tools/report/report_sections.h"
 #include "tools/report/text/html_text.h"
 
 namespace parloc::tools::families {

@@ -9,7 +9,6 @@
 #include "common/eval/families/drive_score.h"
 #include "common/eval/families/family_summary.h"
 #include "tools/report/machine/machine.h"
-#include "tools/report/text/facts.h"
 #include "tools/report/text/table.h"
 
 namespace parloc::tools::families {

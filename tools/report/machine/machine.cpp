@@ -12,7 +12,6 @@
 #include <string_view>
 
 #include "common/filter/filter_backend.h"
-#include "tools/report/machine/build_info.h"
 
 namespace parloc::tools {
 namespace {
@@ -83,6 +82,15 @@ Machine machine_here() {
   m.devices = describe_devices();
   m.settings = thread_settings();
   return m;
+}
+
+std::optional<std::size_t> peak_resident_bytes() {
+  std::ifstream status("/proc/self/status");
+  std::string word;
+  std::size_t kib = 0;
+  while (status >> word)
+    if (word == "VmHWM:" && status >> kib) return kib * 1024;
+  return std::nullopt;
 }
 
 std::string version_text() {

@@ -1,7 +1,9 @@
 // What times depend on: the machine and the build.
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -29,5 +31,18 @@ std::string version_text();
 
 /// Now, in UTC: "2026-01-31T12:00:00Z".
 std::string date_now();
+
+// What is known of this build since it was configured. Written by CMake from build_info.cpp.in.
+extern const char* const kVersion;
+extern const char* const kCommit;  ///< Empty if the sources were no git checkout. "-dirty": with changes.
+extern const char* const kCompiler;
+extern const char* const kFlags;
+extern const char* const kBuildType;
+extern const char* const kCuda;             ///< The compiler of the CUDA backend, or "not in this build".
+extern const char* const kMapsOfSource;     ///< Folder of the source tree.
+extern const char* const kMapsFromProgram;  ///< From the folder of the installed program.
+
+/// Memory of this program, resident, at most so far; nothing where the system does not say (proc(5), VmHWM).
+std::optional<std::size_t> peak_resident_bytes();
 
 }  // namespace parloc::tools

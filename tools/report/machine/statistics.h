@@ -1,10 +1,17 @@
-// What many times of the same work say.
+// How long a work took, and what many times of the same work say.
 #pragma once
 
+#include <chrono>
 #include <cstddef>
 #include <vector>
 
 namespace parloc::tools {
+
+using Clock = std::chrono::steady_clock;
+
+inline double seconds_since(Clock::time_point start) {
+  return std::chrono::duration<double>(Clock::now() - start).count();
+}
 
 struct TimeSummary {
   std::size_t count = 0;

@@ -1,7 +1,8 @@
-// What a plot shows, whether it is drawn as SVG or as pixels.
+// What a plot shows, and its forms: HTML with inline SVG, readable at any width, or pixels.
 #pragma once
 
 #include <cstddef>
+#include <cstdint>
 #include <optional>
 #include <string>
 #include <vector>
@@ -82,5 +83,17 @@ PlotSeries cumulative_series(const std::string& label, const std::string& colour
 
 /// An upright dashed line from `low` to `high`.
 PlotSeries upright(const std::string& label, const std::string& colour, double x, double low, double high);
+
+/// A <figure> with the plot; empty if there is nothing to draw. All text is escaped. Values that are not
+/// finite, or not positive on a logarithmic axis, are left out. Needs the style of the page. Lines keep their
+/// width and labels their size however wide it is.
+std::string render_plot(const Plot& plot, const Axis& x);
+
+/// What the lines are, once for several plots of the same ones.
+std::string render_legend(const std::vector<PlotSeries>& series);
+
+/// The bytes of a PNG file: the plots, each `height_px` high, one under the other over the same axis; below
+/// them the legend of the first. What has no value to draw is left out.
+std::string plot_picture(const std::vector<Plot>& plots, const Axis& x, std::int32_t height_px);
 
 }  // namespace parloc::tools

@@ -1,10 +1,10 @@
-#include "tools/report/plots/plot_picture.h"
+#include "tools/report/plots/plot.h"
 
 #include <cmath>
 #include <optional>
 
 #include "tools/report/pictures/canvas.h"
-#include "tools/report/pictures/picture_style.h"
+#include "tools/report/pictures/pixel.h"
 #include "tools/report/plots/plot_shapes.h"
 
 namespace parloc::tools {
@@ -22,34 +22,25 @@ Rgba colour_of(const std::string& name, std::uint8_t alpha) {
   return colour;
 }
 
+struct Pen {
+  double width_px;  ///< 0: filled.
+  std::uint8_t alpha = 255;
+  double dash_px = 0.0;
+};
+/// As enum ShapeKind.
+constexpr Pen kPens[] = {{1}, {0, 60}, {0, 160}, {2, 90}, {2}, {1.5, 255, 6}, {1.5, 255, 6}, {1.5}};
+
 void draw_shape(Canvas& canvas, const PlotShape& shape, Pixel corner, double height_px) {
+  const Pen& pen = kPens[static_cast<int>(shape.kind)];
+  const Rgba colour = shape.kind == ShapeKind::grid ? kGrid : colour_of(shape.colour, pen.alpha);
   for (std::vector<Pixel> piece : shape.pieces) {
     for (Pixel& p : piece) p = {corner.x + kWidth_px * p.x, corner.y + height_px * p.y};
-    switch (shape.kind) {
-      case ShapeKind::grid:  // on whole pixels, so that they are sharp
-        for (Pixel& p : piece) p = {std::floor(p.x) + 0.5, std::floor(p.y) + 0.5};
-        canvas.line(piece, 1, kGrid);
-        break;
-      case ShapeKind::band:
-        canvas.polygon(piece, colour_of(shape.colour, 60));
-        break;
-      case ShapeKind::area:
-        canvas.polygon(piece, colour_of(shape.colour, 160));
-        break;
-      case ShapeKind::pale:
-        canvas.line(piece, 2, colour_of(shape.colour, 90));
-        break;
-      case ShapeKind::line:
-        canvas.line(piece, 2, colour_of(shape.colour, 255));
-        break;
-      case ShapeKind::dashed:
-      case ShapeKind::level:
-        canvas.line(piece, 1.5, colour_of(shape.colour, 255), 6);
-        break;
-      case ShapeKind::tick:
-        canvas.line(piece, 1.5, colour_of(shape.colour, 255));
-        break;
-    }
+    if (shape.kind == ShapeKind::grid)  // on whole pixels, so that they are sharp
+      for (Pixel& p : piece) p = {std::floor(p.x) + 0.5, std::floor(p.y) + 0.5};
+    if (pen.width_px > 0.0)
+      canvas.line(piece, pen.width_px, colour, pen.dash_px);
+    else
+      canvas.polygon(piece, colour);
   }
 }
 

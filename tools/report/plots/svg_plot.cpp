@@ -1,4 +1,4 @@
-#include "tools/report/plots/svg_plot.h"
+#include "tools/report/plots/plot.h"
 
 #include <fmt/format.h>
 

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <cstddef>
+#include <utility>
 
 namespace parloc::tools {
 namespace {
@@ -27,20 +28,11 @@ std::size_t utf8_length(std::string_view text) {
 }
 
 std::string_view escaped_ascii(char c) {
-  switch (c) {
-    case '&':
-      return "&amp;";
-    case '<':
-      return "&lt;";
-    case '>':
-      return "&gt;";
-    case '"':
-      return "&quot;";
-    case '\'':
-      return "&#39;";
-    default:
-      return {};
-  }
+  constexpr std::pair<char, std::string_view> kEscapes[] = {
+      {'&', "&amp;"}, {'<', "&lt;"}, {'>', "&gt;"}, {'"', "&quot;"}, {'\'', "&#39;"}};
+  for (const auto& [plain, escaped] : kEscapes)
+    if (c == plain) return escaped;
+  return {};
 }
 
 constexpr std::string_view replacement = "\xEF\xBF\xBD";  // U+FFFD

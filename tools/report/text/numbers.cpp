@@ -19,6 +19,14 @@ std::string significant(double value, int digits) {
   return fmt::format("{:.{}f}", rounded, decimals(rounded));
 }
 
+std::string fixed_text(double value, int decimals) {
+  return std::isfinite(value) ? fmt::format("{:.{}f}", value, decimals) : "-";
+}
+
+std::string percent_text(double share) {
+  return std::isfinite(share) ? fmt::format("{:.1f} %", 100.0 * share) : "-";
+}
+
 std::string seconds_text(double seconds) {
   return seconds >= 0.01 ? fmt::format("{:.4f}", seconds) : significant(seconds, 3);
 }

@@ -1,0 +1,59 @@
+#include "tools/program/commands.h"
+
+#include <CLI/CLI.hpp>
+#include <algorithm>
+#include <cstdint>
+#include <cstdio>
+#include <memory>
+#include <string>
+
+#include "common/config/config.h"
+#include "common/error.h"
+#include "common/filter/filter_backend.h"
+#include "tools/program/parse_number.h"
+
+namespace parloc::tools {
+
+Config effective_config(const ConfigOptions& o, const std::function<void(Config&)>& change,
+                        const Config& base) {
+  Config config = o.config.empty() ? base : read_config(o.config, base);
+  if (!o.seed.empty()) config.seed = parse_whole_number<std::uint64_t>("--seed", o.seed);
+  if (!o.device.empty()) config.device = parse_whole_number<int>("--device", o.device);
+  if (!o.threads.empty()) config.threads = parse_whole_number<int>("--threads", o.threads);
+  if (!o.beams.empty()) {
+    config.scan.max_beams = parse_whole_number<int>("--beams", o.beams);
+    config.scan.min_beams =
+        std::min(config.scan.min_beams, config.scan.max_beams);  // so few are meant to be used
+  }
+  if (o.backend) config.backend = *o.backend;
+  if (change) change(config);
+  try {
+    validate(config);
+  } catch (const Error& e) {  // a file is sound by now, so it is the command line
+    throw Error(ErrorKind::usage, e.what());
+  }
+  return config;
+}
+
+/// `parloc config`: the effective configuration, every key with its meaning.
+Command add_config_command(CLI::App& program) {
+  CLI::App* app = program.add_subcommand("config", "Print the effective configuration, with every default");
+  const auto path = std::make_shared<std::string>();
+  add_text_option(*app, "--config", *path, "C.yaml", "Configuration to read over the defaults");
+  return {app, [path](const std::string&) {
+            const Config config = path->empty() ? Config{} : read_config(*path);
+            std::fputs(config_to_yaml(config).c_str(), stdout);
+            return 0;
+          }};
+}
+
+/// `parloc devices`: what this build can run on, here.
+Command add_devices_command(CLI::App& program) {
+  CLI::App* app = program.add_subcommand("devices", "List the CPU and the CUDA devices that parloc can use");
+  return {app, [](const std::string&) {
+            for (const std::string& line : describe_devices()) std::printf("%s\n", line.c_str());
+            return 0;
+          }};
+}
+
+}  // namespace parloc::tools
