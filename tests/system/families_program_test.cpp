@@ -29,7 +29,7 @@ TEST_F(FamiliesProgram, TheNumberOfJobsChangesNothing) {
   ASSERT_EQ(two.code, 0) << two.err;
   EXPECT_EQ(two.out + two.err, "");
   EXPECT_EQ(lasting(result("one")), lasting(result("two")));
-  EXPECT_EQ(read_file(path("one.csv")), read_file(path("two.csv")));
+  EXPECT_EQ(read("one.csv"), read("two.csv"));
   const Json j = result("one");
   ASSERT_EQ(j["drives"].size(), 3u);
   EXPECT_EQ(j["families"].size(), 1u);
@@ -37,10 +37,10 @@ TEST_F(FamiliesProgram, TheNumberOfJobsChangesNothing) {
   EXPECT_EQ(j["families"][0]["drives"], 3);
   EXPECT_GE(j["drives"][0]["parameters"]["corridor_width_m"].get<double>(), 1.5);
   EXPECT_NE(one.out.find("no worse"), std::string::npos) << one.out;
-  const std::string page = read_file(path("one/report.html"));
+  const std::string page = read("one/report.html");
   EXPECT_NE(page.find("</html>"), std::string::npos);
   EXPECT_EQ(page.find("http"), std::string::npos);  // nothing from elsewhere
-  const std::string csv = read_file(path("one.csv"));
+  const std::string csv = read("one.csv");
   EXPECT_EQ(csv.rfind("family,seed,run,stamp_s,", 0), 0u);
   std::size_t scans = 0;
   for (const Json& drive : j["drives"])
@@ -69,6 +69,16 @@ TEST_F(FamiliesProgram, ALogWithOdometryMadeWorse) {
   ASSERT_EQ(evaluate(with(kLog, {"--families", "--trials", "1", "--quiet", "--out", path("plain")})).code, 0);
   EXPECT_EQ(result("plain")["drives"][0]["events"], 0);
   EXPECT_EQ(result("plain")["drives"][0]["bare"]["within"], 1.0);
+}
+
+TEST_F(FamiliesProgram, CtrlCKeepsWhatIsDone) {
+  broken_off({"evaluate", "--particles", "300", "--family", "corridor", "--trials", "400", "--jobs", "2",
+              "--out", path("broken")},
+             "of 400 drives");
+  const Json j = result("broken");
+  EXPECT_TRUE(j["interrupted"]);
+  EXPECT_GE(j["drives"].size(), 1u);
+  EXPECT_EQ(j["families"][0]["drives"], j["drives"].size());
 }
 
 TEST_F(FamiliesProgram, ErrorsAreOneLineWithACode) {

@@ -54,15 +54,15 @@ void declare(CLI::App& app, EvaluateOptions& o) {
   add_text_option(app, "--seed", o.seed, "FIRST", "First seed; of a log, first start (1)");
   add_text_option(app, "--duration", o.duration, "S", "Of a trial (limit + 10; of a log, to its end)");
   add_text_option(app, "--limit", o.limit, "S", "Success: localized by then (3; kidnap 5)");
-  add_text_option(app, "--config", o.filter.config, "C.yaml", "Settings of the filter");
-  add_text_option(app, "--particles", o.particles, "N", "Instead of the configuration's");
+  add_text_option(app, "--config", o.filter.config, "C.yaml",
+                  "Settings of the filter; --particles N likewise");
+  add_text_option(app, "--particles", o.particles, "N", "Instead of the configuration's")->group("");
   add_text_option(app, "--range", o.range, "M", "Of the first LiDAR; --fov DEG likewise, its beams stay");
   add_text_option(app, "--fov", o.fov, "DEG", "Of the first LiDAR; its beams stay")->group("");
   add_text_option(app, "--jobs", o.jobs, "K", "Trials at once (all cores)");
   add_text_option(app, "--samples", o.samples, "F.csv", "Write every scan of every trial there");
-  add_text_option(app, "--trajectory", o.trajectory, "T.tum",
-                  "Or judge this one by --relations R.txt (--dataset)");
-  add_text_option(app, "--relations", o.relations, "R.txt", "Between poses of the trajectory")->group("");
+  add_text_option(app, "--trajectory", o.trajectory, "T.tum", "Or no trials: judge this trajectory ...");
+  add_text_option(app, "--relations", o.relations, "R.txt", "... by relations (--dataset NAME: of that log)");
   add_text_option(app, "--dataset", o.dataset, "NAME", "Published figures of that log beside")->group("");
   app.add_flag("--families", o.families, "Or kinds of drives (--family NAME), or --log with --corrupt");
   add_text_option(app, "--family", o.family, "NAME", "Of this one only; may come again")->group("");
