@@ -350,6 +350,7 @@ TEST(SummariseFamilies, GroupsCountsAndNamesTheFailed) {
   EXPECT_NEAR(families[0].closed.calibration_error, 0.1, 1e-12);  // 0.85 said, 3 of 4 right
   EXPECT_EQ(families[0].closed.nearly_all_within.hits, 1u);
   EXPECT_EQ(families[0].bare.nearly_all_within.hits, 2u);
+  EXPECT_EQ(families[0].bare.nees_median, 3.0);
   const FamilySummary all = summarise_all(drives);
   EXPECT_EQ(all.drives, 3u);
   EXPECT_EQ(all.kept.hits, 2u);

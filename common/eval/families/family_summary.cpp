@@ -79,6 +79,7 @@ void add_errors(const Drives& drives, Side side, RunsSummary& s) {
   }
   s.rmse_m = spread_of(std::move(rmse_m));
   s.nees = mean_interval(nees);
+  s.nees_median = spread_of(std::move(nees)).median;
   s.x_error_m = std::sqrt(error_m2 / static_cast<double>(drives.size()));
   s.sigma_x_m = std::sqrt(sigma_m2 / static_cast<double>(drives.size()));
 }

@@ -25,6 +25,7 @@ struct RunsSummary {
   Rate sure_wrong_1s;                ///< Drives with 1 s of it in a row or more.
   double late_sure_wrong = 0.0;      ///< Share of the scans after the first 10 s of each drive.
   MeanInterval nees;                 ///< Of the drives' means; 3 is right.
+  double nees_median = 0.0;          ///< Likewise: one drive that is far off does not hide the others.
   /// Root mean square over the drives, at their last scan, along the map's x axis, as a corridor lies: what
   /// the error is, and what the filter says.
   double x_error_m = 0.0, sigma_x_m = 0.0;

@@ -32,23 +32,27 @@ Json calibration_json(const RunsSummary& r) {
 }
 
 Json runs_json(const RunsSummary& r) {
-  return {
-      {"nearly_all_within", rate_json(r.nearly_all_within)},
-      {"all_within", rate_json(r.all_within)},
-      {"within", r.within},
-      {"rmse_m", spread_json(r.rmse_m)},
-      {"largest_m", r.largest_m},
-      {"states", states_json(r.by_state)},
-      {"sure_wrong", r.sure_wrong},
-      {"sure_wrong_1s", rate_json(r.sure_wrong_1s)},
-      {"late_sure_wrong", r.late_sure_wrong},
-      {"nees", {{"drives", r.nees.count}, {"mean", r.nees.mean}, {"low", r.nees.low}, {"high", r.nees.high}}},
-      {"last_x_error_rms_m", r.x_error_m},
-      {"last_sigma_x_rms_m", r.sigma_x_m},
-      {"localized_5s", rate_json(r.localized_5s)},
-      {"noticed_2s", rate_json(r.noticed_2s)},
-      {"searches", r.searches},
-      {"calibration", calibration_json(r)}};
+  return {{"nearly_all_within", rate_json(r.nearly_all_within)},
+          {"all_within", rate_json(r.all_within)},
+          {"within", r.within},
+          {"rmse_m", spread_json(r.rmse_m)},
+          {"largest_m", r.largest_m},
+          {"states", states_json(r.by_state)},
+          {"sure_wrong", r.sure_wrong},
+          {"sure_wrong_1s", rate_json(r.sure_wrong_1s)},
+          {"late_sure_wrong", r.late_sure_wrong},
+          {"nees",
+           {{"drives", r.nees.count},
+            {"mean", r.nees.mean},
+            {"low", r.nees.low},
+            {"high", r.nees.high},
+            {"median", r.nees_median}}},
+          {"last_x_error_rms_m", r.x_error_m},
+          {"last_sigma_x_rms_m", r.sigma_x_m},
+          {"localized_5s", rate_json(r.localized_5s)},
+          {"noticed_2s", rate_json(r.noticed_2s)},
+          {"searches", r.searches},
+          {"calibration", calibration_json(r)}};
 }
 
 Json family_json(const FamilySummary& s) {

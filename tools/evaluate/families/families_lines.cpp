@@ -62,7 +62,8 @@ Table trust_table(const FamiliesReport& report) {
                    {"sure but wrong", "% of time"},
                    {"sure but wrong", "after 10 s, % of scans"},
                    {"sure but wrong", "drives with 1 s"},
-                   {"", "NEES"},
+                   {"NEES", "mean"},
+                   {"NEES", "median"},
                    {"probability", "AUC"},
                    {"probability", "error"},
                    {"", "searches"}};
@@ -74,7 +75,7 @@ Table trust_table(const FamiliesReport& report) {
     table.rows.push_back({s->family, percent(r.within), state(HealthState::tracking),
                           state(HealthState::ambiguous), state(HealthState::lost), percent(r.sure_wrong, 2),
                           percent(r.late_sure_wrong, 2), std::to_string(r.sure_wrong_1s.hits),
-                          number(r.nees.mean, 2), number(r.calibration.auc, 4),
+                          number(r.nees.mean, 2), number(r.nees_median, 2), number(r.calibration.auc, 4),
                           number(r.calibration_error, 4), number(r.searches, 1)});
   }
   return table;
