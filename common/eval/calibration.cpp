@@ -66,4 +66,11 @@ Calibration check_calibration(const std::vector<Forecast>& forecasts) {
   return c;
 }
 
+double expected_calibration_error(const Calibration& calibration) {
+  double sum = 0.0;
+  for (const ReliabilityBin& bin : calibration.bins)
+    if (bin.count > 0) sum += static_cast<double>(bin.count) * std::fabs(bin.forecast_mean - bin.observed);
+  return sum / static_cast<double>(calibration.count);  // none: 0 / 0 is NaN, as it should be
+}
+
 }  // namespace parloc

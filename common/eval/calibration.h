@@ -37,4 +37,8 @@ struct Calibration {
 };
 Calibration check_calibration(const std::vector<Forecast>& forecasts);
 
+/// Mean difference of what was said and what came true, over the bins by their counts (Naeini et al. 2015).
+/// NaN without a forecast.
+double expected_calibration_error(const Calibration& calibration);
+
 }  // namespace parloc

@@ -2,6 +2,7 @@
 
 #include <chrono>
 #include <cmath>
+#include <limits>
 
 #include "common/error.h"
 #include "common/eval/consistency.h"
@@ -47,7 +48,7 @@ class OdometryFeed {
   std::size_t fed_ = 0;
 };
 
-TrialSample compare(const LocalizerEstimate& e, double stamp_s, const Pose& truth) {
+TrialSample compare(const LocalizerEstimate& e, double stamp_s, const Pose& truth, bool elsewhere) {
   const double x_m = e.filter.pose.x_m - truth.x_m, y_m = e.filter.pose.y_m - truth.y_m;
   const double heading_rad = wrap64(e.filter.pose.theta_rad - truth.theta_rad);
   TrialSample s;
@@ -60,14 +61,20 @@ TrialSample compare(const LocalizerEstimate& e, double stamp_s, const Pose& trut
   s.share = e.filter.cluster.weight;
   s.state = e.health.state;
   s.searched = e.searched;
+  s.x_error_m = x_m;
+  s.sigma_x_m = std::sqrt(e.filter.covariance.v[0]);
   s.nees = normalised_error_squared(e.filter.covariance, x_m, y_m, heading_rad);
+  if (!elsewhere) return s;
+  s.position_error_m = s.heading_error_rad = s.x_error_m = std::numeric_limits<double>::infinity();
+  s.nees = std::numeric_limits<double>::quiet_NaN();
   return s;
 }
 
-void start(Localizer& localizer, const TrialPlan& plan, const std::optional<Pose>& truth,
-           std::uint64_t seed) {
+void start(Localizer& localizer, const TrialPlan& plan, const std::optional<PoseGuess>& given,
+           const std::optional<Pose>& truth, std::uint64_t seed) {
   localizer.set_seed(seed);
   if (plan.task == TrialTask::global) return localizer.start_anywhere();
+  if (given) return localizer.start_at({*given});
   if (!truth) throw Error(ErrorKind::input, "expected the true pose at the first scan, found none near it");
   localizer.start_at({{*truth, kStartSigma_m, kStartSigma_rad, 1.0}});
 }
@@ -80,7 +87,7 @@ std::optional<TrialResult> run_trial(Localizer& localizer, const TrialPlan& plan
   const std::vector<double> stamps = scan_stamps(log.records);
   if (stamps.empty()) throw Error(ErrorKind::input, "expected at least one scan in the trial's log");
   const std::vector<std::optional<Pose>> truth = truth_at(log.truth, stamps);
-  start(localizer, plan, truth[0], seed);
+  start(localizer, plan, log.start, truth[0], seed);
 
   TrialResult result;
   result.seed = seed;
@@ -100,7 +107,8 @@ std::optional<TrialResult> run_trial(Localizer& localizer, const TrialPlan& plan
     const std::chrono::duration<double, std::milli> took = std::chrono::steady_clock::now() - begun;
     if (const std::optional<Pose>& where = truth[scan++]) {
       if (!begin && record.stamp_s >= since_s) begin = where;
-      TrialSample& sample = result.samples.emplace_back(compare(estimate, record.stamp_s, *where));
+      TrialSample& sample =
+          result.samples.emplace_back(compare(estimate, record.stamp_s, *where, log.elsewhere));
       sample.particles = static_cast<double>(localizer.filter().config().particles);
       sample.step_ms = took.count();
     }

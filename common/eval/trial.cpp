@@ -17,16 +17,20 @@ int boxes_along(const WaypointPath& path, const Scenario& base) {
   return static_cast<int>(std::lround(base.clutter.boxes * path_length_m(path) / own_m));
 }
 
-/// A drive of one seed of the plan, its log and truth.
-SimulatedLog simulate_drive(const TrialPlan& plan, const Scenario& base, const GridMap& map,
-                            const WanderArea& area, std::uint64_t seed, const Pose& odometry_start) {
+/// The scenario's robot on a random drive.
+Scenario random_drive(const TrialPlan& plan, const Scenario& base, const WanderArea& area,
+                      std::uint64_t seed) {
   Scenario scenario = base;
   scenario.path = area.wander(plan.duration_s, plan.speed_mps, plan.turn_rate_rad_s, seed);
   scenario.clutter.boxes = boxes_along(scenario.path, base);
   scenario.seed = seed;
-  scenario.odometry.start = odometry_start;
+  return scenario;
+}
+
+/// The log and truth of a drive.
+SimulatedLog simulate_until(const Scenario& scenario, const GridMap& map, double duration_s) {
   SimulatedLog log = simulate(scenario, map, [&](double) { return true; });
-  const auto late = [&](double stamp_s) { return stamp_s > plan.duration_s; };
+  const auto late = [&](double stamp_s) { return stamp_s > duration_s; };
   std::erase_if(log.records, [&](const LogRecord& r) { return late(r.stamp_s); });
   std::erase_if(log.truth, [&](const StampedPose& p) { return late(p.stamp_s); });
   return log;
@@ -50,24 +54,33 @@ std::optional<double> right_from(const TrialPlan& plan, const std::vector<TrialS
 
 }  // namespace
 
+TrialLog simulate_drives(std::vector<Scenario> drives, const GridMap& map, double duration_s) {
+  TrialLog log;
+  for (Scenario& drive : drives) {
+    double shift_s = 0.0;
+    if (!log.records.empty()) {
+      drive.odometry.start = log.records.back().odometry;
+      shift_s = log.truth.back().stamp_s + 1.0 / drive.scan_rate_hz;
+      log.kidnapped_s = shift_s;
+    }
+    SimulatedLog part = simulate_until(drive, map, duration_s);
+    for (LogRecord& record : part.records) {
+      record.stamp_s += shift_s;
+      record.scan.stamp_s += shift_s;
+      log.records.push_back(std::move(record));
+    }
+    for (const StampedPose& pose : part.truth) log.truth.push_back({pose.stamp_s + shift_s, pose.pose});
+    log.hits += part.hits;
+    log.unmapped += part.unmapped;
+  }
+  return log;
+}
+
 TrialLog simulate_trial(const TrialPlan& plan, const Scenario& scenario, const GridMap& map,
                         const WanderArea& area, std::uint64_t seed) {
-  SimulatedLog first = simulate_drive(plan, scenario, map, area, 2 * seed, scenario.odometry.start);
-  TrialLog log{std::move(first.records), std::move(first.truth), 0.0, first.hits, first.unmapped};
-  if (plan.task != TrialTask::kidnap) return log;
-  // The robot is put down elsewhere; its odometry and its clock go on.
-  const double shift_s = log.truth.back().stamp_s + 1.0 / scenario.scan_rate_hz;
-  SimulatedLog second = simulate_drive(plan, scenario, map, area, 2 * seed + 1, log.records.back().odometry);
-  for (LogRecord& record : second.records) {
-    record.stamp_s += shift_s;
-    record.scan.stamp_s += shift_s;
-    log.records.push_back(std::move(record));
-  }
-  for (const StampedPose& pose : second.truth) log.truth.push_back({pose.stamp_s + shift_s, pose.pose});
-  log.kidnapped_s = shift_s;
-  log.hits += second.hits;
-  log.unmapped += second.unmapped;
-  return log;
+  std::vector<Scenario> drives{random_drive(plan, scenario, area, 2 * seed)};
+  if (plan.task == TrialTask::kidnap) drives.push_back(random_drive(plan, scenario, area, 2 * seed + 1));
+  return simulate_drives(std::move(drives), map, plan.duration_s);
 }
 
 bool is_right(const TrialPlan& plan, const TrialSample& s) {

@@ -8,6 +8,7 @@
 
 #include "common/eval/calibration.h"
 #include "common/filter/particle_filter.h"
+#include "common/filter/pose_guess.h"
 #include "common/io/log.h"
 #include "common/io/trajectory.h"
 #include "common/localize/health.h"
@@ -40,7 +41,13 @@ struct TrialLog {
   Trajectory truth;                    ///< At each scan.
   double kidnapped_s = 0.0;            ///< Stamp of the first scan at the new place; with `kidnap` only.
   std::size_t hits = 0, unmapped = 0;  ///< Simulated: beams that hit, and those of them that hit clutter.
+  std::optional<PoseGuess> start{};    ///< What is said where a start is given; else about the true pose.
+  bool elsewhere = false;              ///< The place is not on the localizer's map: no pose there is right.
 };
+
+/// Simulates drives that differ in path, seed and clutter. From the second on the robot was put down
+/// elsewhere: its odometry and its clock go on. Each ends after `duration_s` at most.
+TrialLog simulate_drives(std::vector<Scenario> drives, const GridMap& map, double duration_s);
 
 /// Drives at random over `area` (WanderArea) and simulates what the scenario's LiDARs and wheels make of it;
 /// the scenario's own path, map and seed are not used, but that boxes stand as dense as along that path.
@@ -51,11 +58,12 @@ TrialLog simulate_trial(const TrialPlan& plan, const Scenario& scenario, const G
 /// What the localizer said at a scan, and how far off it was.
 struct TrialSample {
   double stamp_s = 0.0;
-  double position_error_m = 0.0, heading_error_rad = 0.0;
-  double probability = 0.0;  ///< Of being right, as it says.
-  double evidence = 0.0;     ///< What the scans say for it [nat per beam] (HealthMonitor).
-  double log_odds = 0.0;     ///< Likewise.
-  double share = 0.0;        ///< Of the weight, around the estimate.
+  double position_error_m = 0.0, heading_error_rad = 0.0;  ///< Infinite where no pose is right.
+  double x_error_m = 0.0, sigma_x_m = 0.0;  ///< Along the map's x axis: signed, and as the filter has it.
+  double probability = 0.0;                 ///< Of being right, as it says.
+  double evidence = 0.0;                    ///< What the scans say for it [nat per beam] (HealthMonitor).
+  double log_odds = 0.0;                    ///< Likewise [nat].
+  double share = 0.0;                       ///< Of the weight, around the estimate.
   HealthState state = HealthState::lost;
   bool searched = false;  ///< The whole map was searched in this step.
   double nees = 0.0;

@@ -28,6 +28,10 @@ enum class Stream : std::uint32_t {
   simulated_clutter = 14,
   kld = 15,
   random_drive = 16,
+  // Of the families of drives that the localizer is judged on.
+  changed_world = 32,
+  corrupted_odometry = 33,
+  drawn_drive = 34,
 };
 
 struct Philox4x32 {

@@ -285,7 +285,8 @@ class RunTrial : public testing::Test {
   }
   RunTrial() {
     const test::SmallDrive drive = test::small_drive(room, 40);
-    log = {drive.scans, drive.truth, 0.0};
+    log.records = drive.scans;
+    log.truth = drive.truth;
   }
   const GridMap room = test::small_room();
   TrialLog log;

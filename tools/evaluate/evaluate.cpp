@@ -19,6 +19,7 @@
 #include "common/map/map_reader.h"
 #include "common/simulator/scenario.h"
 #include "tools/evaluate/evaluation.h"
+#include "tools/evaluate/families/evaluate_families.h"
 #include "tools/evaluate/relations.h"
 #include "tools/evaluate/trials.h"
 #include "tools/program/commands.h"
@@ -36,8 +37,9 @@ using evaluate::Evaluation;
 struct EvaluateOptions {
   ConfigOptions filter;
   std::string scenario, log, map, truth, task, trials, starts, seed, duration, limit, particles, range, fov,
-      jobs, samples, trajectory, relations, dataset, out;
-  bool json = false, quiet = false;
+      jobs, samples, trajectory, relations, dataset, out, maps, corrupt;
+  std::vector<std::string> family;
+  bool families = false, json = false, quiet = false;
 };
 
 void declare(CLI::App& app, EvaluateOptions& o) {
@@ -52,8 +54,9 @@ void declare(CLI::App& app, EvaluateOptions& o) {
   add_text_option(app, "--seed", o.seed, "FIRST", "First seed; of a log, first start (1)");
   add_text_option(app, "--duration", o.duration, "S", "Of a trial (limit + 10; of a log, to its end)");
   add_text_option(app, "--limit", o.limit, "S", "Success: localized by then (3; kidnap 5)");
-  add_text_option(app, "--config", o.filter.config, "C.yaml", "Settings of the filter");
-  add_text_option(app, "--particles", o.particles, "N", "Instead of the configuration's");
+  add_text_option(app, "--config", o.filter.config, "C.yaml",
+                  "Settings of the filter; --particles N likewise");
+  add_text_option(app, "--particles", o.particles, "N", "Instead of the configuration's")->group("");
   add_text_option(app, "--range", o.range, "M", "Of the first LiDAR; --fov DEG likewise, its beams stay");
   add_text_option(app, "--fov", o.fov, "DEG", "Of the first LiDAR; its beams stay")->group("");
   add_text_option(app, "--jobs", o.jobs, "K", "Trials at once (all cores)");
@@ -61,6 +64,10 @@ void declare(CLI::App& app, EvaluateOptions& o) {
   add_text_option(app, "--trajectory", o.trajectory, "T.tum", "Or no trials: judge this trajectory ...");
   add_text_option(app, "--relations", o.relations, "R.txt", "... by relations (--dataset NAME: of that log)");
   add_text_option(app, "--dataset", o.dataset, "NAME", "Published figures of that log beside")->group("");
+  app.add_flag("--families", o.families, "Or kinds of drives (--family NAME), or --log with --corrupt");
+  add_text_option(app, "--family", o.family, "NAME", "Of this one only; may come again")->group("");
+  add_text_option(app, "--maps", o.maps, "DIR", "Of the maps that come with parloc (maps)")->group("");
+  add_text_option(app, "--corrupt", o.corrupt, "K=V,...", "Odometry of the log made worse")->group("");
   add_text_option(app, "--out", o.out, "DIR", "Write report.html and a JSON file there");
   app.add_flag("--json", o.json, "The JSON on standard output")->group("");
   app.add_flag("--quiet", o.quiet, "No progress and no tables; --json: the JSON instead");
@@ -218,8 +225,45 @@ int judge_by_relations(const EvaluateOptions& o, const std::string& typed) {
   return 0;
 }
 
+Config config_of(const EvaluateOptions& o) {
+  return effective_config(o.filter, [&](Config& c) {
+    if (!o.particles.empty()) c.particles = parse_whole_number<std::int64_t>("--particles", o.particles);
+  });
+}
+
+int jobs_of(const EvaluateOptions& o) {
+  const auto cores = std::max<std::uint64_t>(1, std::thread::hardware_concurrency());
+  return static_cast<int>(whole_within("--jobs", o.jobs, 1, 256, std::min<std::uint64_t>(cores, 256)));
+}
+
+bool asks_for_families(const EvaluateOptions& o) {
+  return o.families || !o.family.empty() || !o.corrupt.empty() || !o.maps.empty();
+}
+
+/// Of a command line that asks for families.
+FamiliesOptions families_options(const EvaluateOptions& o) {
+  const std::pair<const char*, const std::string&> of_trials[] = {
+      {"--scenario", o.scenario}, {"--task", o.task},   {"--starts", o.starts},
+      {"--limit", o.limit},       {"--range", o.range}, {"--fov", o.fov}};
+  for (const auto& [name, value] : of_trials)
+    if (!value.empty())
+      throw Error(ErrorKind::usage, fmt::format("{} has no meaning for --families, which draw it", name));
+  FamiliesOptions f{o.family, o.maps, o.log, o.map, o.truth, o.corrupt, o.duration};
+  f.first_seed = whole_within("--seed", o.seed, 0, kLastSeed, 1);
+  f.trials = whole_within("--trials", o.trials, 1, kMostTrials, 20);
+  f.jobs = jobs_of(o);
+  f.config = config_of(o);
+  f.samples = o.samples;
+  f.out = o.out;
+  f.json = o.json;
+  f.quiet = o.quiet;
+  if (!f.samples.empty()) check_writable(f.samples);
+  return f;
+}
+
 int run(const EvaluateOptions& o, const std::string& typed) {
   if (asks_for_relations(o)) return judge_by_relations(o, typed);
+  if (asks_for_families(o)) return evaluate_families(families_options(o), typed);
   // Everything that can be wrong is looked at before the long work.
   check_options(o);
   Evaluation e;
@@ -228,14 +272,10 @@ int run(const EvaluateOptions& o, const std::string& typed) {
   e.machine = machine_here();
   e.plan = plan_of(o, e.limit_s);
   e.first_seed = whole_within("--seed", o.seed, 0, kLastSeed, 1);
-  const auto cores = std::max<std::uint64_t>(1, std::thread::hardware_concurrency());
-  const std::uint64_t jobs = whole_within("--jobs", o.jobs, 1, 256, std::min<std::uint64_t>(cores, 256));
-  e.config = effective_config(o.filter, [&](Config& c) {
-    if (!o.particles.empty()) c.particles = parse_whole_number<std::int64_t>("--particles", o.particles);
-  });
+  e.config = config_of(o);
   const LogSource source = source_of(o, e);
   e.source = source.what;
-  e.jobs = static_cast<int>(std::min<std::uint64_t>(jobs, e.wanted));
+  e.jobs = static_cast<int>(std::min<std::size_t>(static_cast<std::size_t>(jobs_of(o)), e.wanted));
   const GridMap map = read_map(e.map_path);
   std::unique_ptr<OutputFolder> out;
   if (!o.out.empty()) out = std::make_unique<OutputFolder>(o.out, std::vector<std::string>{kJson, kPage});

@@ -1,0 +1,26 @@
+// Many drives at once, each driven twice: whole drives are the unit of work.
+#pragma once
+
+#include <cstddef>
+#include <functional>
+#include <vector>
+
+#include "common/config/config.h"
+#include "common/eval/families/drive_score.h"
+#include "tools/evaluate/families/drive_source.h"
+
+namespace parloc::tools::families {
+
+struct DrivesRequest {
+  Config config;  ///< Of the closed loop. Its numbers of threads do not count: each localizer has one.
+  int jobs = 1;
+  std::function<bool()> stop;  ///< Asked often; may be empty.
+  /// Told now and then, on the caller's thread; may be empty.
+  std::function<void(double fraction, std::size_t finished)> progress;
+};
+
+/// The finished drives in their order, whatever the number of jobs; all, unless `stop` said so. Both runs of
+/// a drive have its seed. The first error of any ends the work and is thrown.
+std::vector<DriveResult> run_drives(const DrivesRequest& request, const DriveSource& source);
+
+}  // namespace parloc::tools::families
