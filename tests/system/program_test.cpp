@@ -73,7 +73,7 @@ TEST_F(Program, LocalizesAndWritesEverything) {
   const Json metrics = json_of("out/metrics.json");
   EXPECT_LT(metrics.at("position_max_m").get<double>(), 0.2);  // two cells
   EXPECT_EQ(read_file(path("out/errors.png")).substr(1, 3), "PNG");
-  EXPECT_EQ(contents(folder / "out").size(), 5u);  // nothing temporary is left
+  EXPECT_EQ(contents(folder / "out").size(), 6u);  // nothing temporary is left
 }
 
 TEST_F(Program, JsonIsAllThatIsPrinted) {
@@ -308,7 +308,9 @@ TEST_F(Program, InterruptedRunsKeepWhatTheyHave) {
     const Json metrics = Json::parse(outcome.out);
     EXPECT_EQ(metrics.at("interrupted"), true);
     EXPECT_EQ(metrics.at("scans"), rows);
-    EXPECT_EQ(contents(folder / "cut").size(), 4u);
+    const std::string poses = read_file(path("cut/poses.csv"));
+    EXPECT_EQ(std::count(poses.begin(), poses.end(), '\n'), static_cast<std::ptrdiff_t>(rows + 1));
+    EXPECT_EQ(contents(folder / "cut").size(), 5u);
   }
 }
 

@@ -102,6 +102,28 @@ TEST(LocalizeLog, OneRowPerScanAtTheScan) {
   }
 }
 
+TEST(LocalizeLog, EveryScanIsAnsweredAsItIsWrittenAndWithTheBeamsThatWereUsed) {
+  test::SmallDrive drive = test::small_drive(test::small_room(), 6);
+  drive.scans[3].scan.ranges_m.assign(61, 0.0f);  // nothing that could be used
+  LocalizeRequest request = small_request();
+  std::vector<std::size_t> beams;
+  Trajectory answered;
+  request.answered = [&](const ScanAnswer& answer) {
+    beams.push_back(answer.beams_used);
+    answered.push_back({answer.stamp_s, answer.estimate.filter.pose});
+    EXPECT_TRUE(answer.judged);
+    EXPECT_EQ(answer.estimate.filter.weighted, answer.beams_used > 0);
+  };
+  const Localization run = localize(test::carmen_log_of(drive), request);
+  EXPECT_EQ(beams, (std::vector<std::size_t>{61, 61, 61, 0, 61, 61}));
+  ASSERT_EQ(answered.size(), run.trajectory.size());
+  for (std::size_t k = 0; k < answered.size(); ++k) {
+    EXPECT_EQ(answered[k].stamp_s, run.trajectory[k].stamp_s);
+    EXPECT_EQ(answered[k].pose.x_m, run.trajectory[k].pose.x_m);
+    EXPECT_EQ(answered[k].pose.theta_rad, run.trajectory[k].pose.theta_rad);
+  }
+}
+
 TEST(LocalizeLog, AnywhereHasNoDeadReckoning) {
   LocalizeRequest request = small_request();
   request.start = StartPose{true, {}, 0, 0, 0};

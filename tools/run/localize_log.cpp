@@ -12,6 +12,7 @@
 #include "common/error.h"
 #include "common/io/scan_stream.h"
 #include "common/math/quantile.h"
+#include "common/model/beams.h"
 #include "common/model/lidar.h"
 #include "tools/report/even_sample.h"
 #include "tools/report/machine/statistics.h"
@@ -110,7 +111,8 @@ class Run {
  public:
   Run(const GridMap& map, const LocalizeRequest& request, const LogRecord& first)
       : tracker_(filter_config(request), map, request.config.localize.health && !request.odometry_only),
-        start_(start_of(request, first.stamp_s)) {
+        start_(start_of(request, first.stamp_s)),
+        answered_(request.answered) {
     result_.odometry_only = request.odometry_only;
     result_.config = filter_config(request);
     tracker_.start(start_);
@@ -135,6 +137,9 @@ class Run {
     result_.steps.push_back(step_record(estimate, record.stamp_s, step_ms));
     if (tracker_.judged()) result_.steps.back().health = judged.health;
     result_.steps.back().searched = judged.searched;
+    if (answered_)
+      answered_({record.stamp_s, judged, tracker_.judged(),
+                 estimate.weighted ? filter().last_beams().count : std::size_t{0}});
     result_.modes = std::move(judged.modes);
     result_.lost_steps += estimate.lost ? 1 : 0;
     ++result_.scans;
@@ -165,6 +170,7 @@ class Run {
  private:
   Tracker tracker_;
   StartPose start_;
+  const std::function<void(const ScanAnswer&)>& answered_;
   Pose T_map_odometry_;
   EvenSample<Snapshot> snapshots_{12};
   Scan last_scan_;

@@ -15,6 +15,7 @@
 #include "common/localize/modes.h"
 #include "common/map/grid_map.h"
 #include "tools/report/report.h"
+#include "tools/run/pose_file.h"
 #include "tools/run/start_pose.h"
 
 namespace parloc::tools {
@@ -27,7 +28,8 @@ struct LocalizeRequest {
   bool odometry_only = false;      ///< Predict, never weigh: how the particles spread without the LiDAR.
   bool strict = false;             ///< What would be counted as a warning is an Error{input}.
   std::function<void(double fraction, std::size_t scans)>
-      progress;                ///< Called after every scan; may be empty.
+      progress;                                     ///< Called after every scan; may be empty.
+  std::function<void(const ScanAnswer&)> answered;  ///< Likewise, with what is said of it.
   std::function<bool()> stop;  ///< Asked before every scan; may be empty. True ends the run early.
 };
 
