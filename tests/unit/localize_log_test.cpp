@@ -124,6 +124,22 @@ TEST(LocalizeLog, EveryScanIsAnsweredAsItIsWrittenAndWithTheBeamsThatWereUsed) {
   }
 }
 
+TEST(LocalizeLog, StampsThatStandStillAreOneWarningAndStrictRefusesThem) {
+  test::SmallDrive drive = test::small_drive(test::small_room(), 20);
+  for (LogRecord& record : drive.scans) record.stamp_s = record.scan.stamp_s = 0.0;
+  const std::string log = test::carmen_log_of(drive);
+  const std::string words = "stamps stand still: 19 of 20 scans";
+  RunResults results;
+  results.run = localize(log, small_request());
+  const std::string summary = run_summary(results);
+  EXPECT_NE(summary.find(words), std::string::npos) << summary;
+  EXPECT_EQ(summary.find("stamps"), summary.rfind("stamps")) << summary;
+  EXPECT_NE(metrics_json(results).find(words), std::string::npos);
+  LocalizeRequest strict = small_request();
+  strict.strict = true;
+  expect_error(ErrorKind::input, words, [&] { localize(log, strict); });
+}
+
 TEST(LocalizeLog, AnywhereHasNoDeadReckoning) {
   LocalizeRequest request = small_request();
   request.start = StartPose{true, {}, 0, 0, 0};

@@ -56,10 +56,11 @@ class StrictCheck {
   }
 
   /// At the end of the log.
-  void check_lidars(const ParticleFilter& filter) const {
+  void check_whole(const ParticleFilter& filter, const ScanTimes& times) const {
     if (!strict_) return;
     const std::string unused = unused_lidars(filter.config(), filter.lidars_used());
-    if (!unused.empty()) throw input_error(log_name_, 0, unused + " (--strict)");
+    for (const std::string& trouble : {unused, times.trouble()})
+      if (!trouble.empty()) throw input_error(log_name_, 0, trouble + " (--strict)");
   }
 
  private:
@@ -143,6 +144,7 @@ class Run {
     result_.modes = std::move(judged.modes);
     result_.lost_steps += estimate.lost ? 1 : 0;
     ++result_.scans;
+    result_.times.add(record.scan.sensor, record.stamp_s);
     earliest_s_ = std::min(earliest_s_, record.stamp_s);
     latest_s_ = std::max(latest_s_, record.stamp_s);
     snapshots_.offer([&] { return snapshot_of(filter(), estimate.pose, last_scan_); });
@@ -150,6 +152,7 @@ class Run {
 
   const ParticleFilter& filter() const { return tracker_.filter(); }
   std::size_t scans() const { return result_.scans; }
+  const ScanTimes& times() const { return result_.times; }
 
   Localization finish(const LogWarnings& warnings) {
     result_.wall_s = seconds_since(begun_);
@@ -208,7 +211,7 @@ Localization localize_log(const GridMap& map, LogReader& log, const LocalizeRequ
     if (request.progress) request.progress(log.progress(), run.scans());
     more = scans.next(record);
   }
-  if (!more) strict.check_lidars(run.filter());
+  if (!more) strict.check_whole(run.filter(), run.times());
   Localization result = run.finish(log.warnings());
   result.interrupted = more;
   return result;

@@ -14,6 +14,7 @@
 #include "common/io/trajectory.h"
 #include "common/localize/modes.h"
 #include "common/map/grid_map.h"
+#include "tools/program/scan_times.h"
 #include "tools/report/report.h"
 #include "tools/run/pose_file.h"
 #include "tools/run/start_pose.h"
@@ -47,6 +48,7 @@ struct Localization {
   BeamCounts beams;              ///< Of all LiDARs.
   std::vector<LidarUse> lidars;  ///< Of each, in the order in which they came.
   LogWarnings warnings;
+  ScanTimes times;
   Config config;
   std::string backend;
   std::string digest;
