@@ -6,6 +6,7 @@
 #include <cmath>
 #include <cstdio>
 #include <memory>
+#include <optional>
 #include <string>
 
 #include "common/config/config.h"
@@ -16,6 +17,7 @@
 #include "common/map/map_reader.h"
 #include "common/model/model_settings.h"
 #include "tools/learn/learn.h"
+#include "tools/learn/odometry_delay.h"
 #include "tools/program/commands.h"
 #include "tools/program/output_folder.h"
 #include "tools/program/parse_number.h"
@@ -43,8 +45,9 @@ void declare(CLI::App& app, LearnOptions& o) {
   app.add_flag("--quiet", o.quiet, "No progress; print the settings alone");
   app.footer(
       "Learns z_hit, z_short, z_max, z_rand, sigma_hit and lambda_short of the models beam and\n"
-      "class_conditional from measured and expected ranges (EM). Prints a block for a\n"
-      "configuration; writes it (sensor.yaml) and a histogram (mixture.png).");
+      "class_conditional from measured and expected ranges (EM), and odometry_delay_s from\n"
+      "the turns (written if it is sure). Prints a block for a configuration; writes it\n"
+      "(sensor.yaml) and a histogram (mixture.png).");
 }
 
 Config learn_config(const LearnOptions& o) {
@@ -77,6 +80,20 @@ std::string sensor_block(const SensorConfig& s, const std::string& typed) {
       "  lambda_short: {:g}     # [1/m]\n",
       typed, name_of(s.model, kSensorModels), s.z_hit, s.z_short, s.z_max, s.z_rand, s.sigma_hit,
       s.lambda_short);
+}
+
+std::string motion_block(const OdometryDelay& delay) {
+  return fmt::format(
+      "motion:\n"
+      "  odometry_delay_s: {:.3f}   # [s], standard error {:.3f}\n",
+      delay.delay_s, delay.sigma_s);
+}
+
+std::string delay_text(const std::optional<OdometryDelay>& delay) {
+  if (!delay) return "not known: too few turns";
+  return fmt::format("{:.3f} s, standard error {:.3f} s, from {} turns{}", delay->delay_s, delay->sigma_s,
+                     delay->turns,
+                     delay->significant() ? "" : ": not sure to be another than 0, not written");
 }
 
 RangePairsOfLog collect(const LearnOptions& o, const Config& config) {
@@ -112,7 +129,9 @@ int run(const LearnOptions& o, const std::string& typed) {
   Config learned = config;
   learned.sensor = with_mixture(config.sensor, fit.mixture);
   validate(learned);
-  const std::string block = sensor_block(learned.sensor, typed);
+  const std::optional<OdometryDelay> delay = estimate_odometry_delay(found.odometry, read_tum(o.truth));
+  std::string block = sensor_block(learned.sensor, typed);
+  if (delay && delay->significant()) block += motion_block(*delay);
   replace_file(out.staged(kConfig), block);
   write_mixture_picture(out.staged(kPicture), found.ranges, fit.mixture);
   out.publish();
@@ -123,6 +142,7 @@ int run(const LearnOptions& o, const std::string& typed) {
     fmt::print(stderr, "{:<16}{:.4f} per beam after {} rounds, from {:.4f}{}\n", "log-likelihood",
                fit.log_likelihood.back(), fit.log_likelihood.size(), fit.log_likelihood.front(),
                fit.converged ? "" : " (not at its end yet)");
+    fmt::print(stderr, "{:<16}{}\n", "odometry delay", delay_text(delay));
     fmt::print(stderr, "{:<16}{} (beside it: {})\n", "picture", out.final_path(kPicture), kConfig);
   }
   return interrupted() ? kExitInterrupted : 0;
