@@ -44,10 +44,10 @@ void declare(CLI::App& app, LearnOptions& o) {
   add_text_option(app, "--out", o.out, "DIR", "Folder for the results (parloc_learned)");
   app.add_flag("--quiet", o.quiet, "No progress; print the settings alone");
   app.footer(
-      "Learns z_hit, z_short, z_max, z_rand, sigma_hit and lambda_short of the models beam and\n"
-      "class_conditional from measured and expected ranges (EM), and odometry_delay_s from\n"
-      "the turns (written if it is sure). Prints a block for a configuration; writes it\n"
-      "(sensor.yaml) and a histogram (mixture.png).");
+      "Learns z_hit, z_short, z_max, z_rand, sigma_hit and lambda_short of the models\n"
+      "beam and class_conditional from measured and expected ranges (EM), and\n"
+      "odometry_delay_s from turns (written if it is sure). Prints a block for a\n"
+      "configuration; writes it (sensor.yaml) and a histogram (mixture.png).");
 }
 
 Config learn_config(const LearnOptions& o) {
@@ -90,7 +90,7 @@ std::string motion_block(const OdometryDelay& delay) {
 }
 
 std::string delay_text(const std::optional<OdometryDelay>& delay) {
-  if (!delay) return "not known: too few turns";
+  if (!delay) return "not known: too few turns, or too far apart";
   return fmt::format("{:.3f} s, standard error {:.3f} s, from {} turns{}", delay->delay_s, delay->sigma_s,
                      delay->turns,
                      delay->significant() ? "" : ": not sure to be another than 0, not written");

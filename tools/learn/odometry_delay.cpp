@@ -12,17 +12,18 @@
 namespace parloc::tools {
 namespace {
 
-constexpr double kMost_s = 0.3, kStep_s = 0.005;
+constexpr double kMost_s = 0.3, kStep_s = 0.01;
 constexpr int kSteps = static_cast<int>(kMost_s / kStep_s + 0.5);  // to either side of 0
 /// A parabola is laid through the residuals this far to either side of the best delay.
-constexpr int kParabola = 10;
+constexpr int kParabola = 5;
 /// Turns are taken over at least this time: shorter ones are the noise of poses.
 constexpr double kLeastTurn_s = 0.2;
 /// The standard error is that of leaving out one part of the log after the other: neighbouring turns are made
 /// of the same readings, and go wrong together.
 constexpr std::size_t kParts = 10;
-/// Of less time between readings, jitter makes any turn rate; over more, a robot turns here and back.
-constexpr double kShortest_s = 0.02, kLongest_s = 1.5;
+/// Of less time between readings, jitter makes any turn rate; over more, between readings or poses, a robot
+/// turns here and back, and a straight line between them tells of no delay.
+constexpr double kShortest_s = 0.02, kLongest_s = 0.6;
 
 /// A turn by the odometry, between two readings.
 struct Turn {
@@ -62,7 +63,7 @@ std::vector<double> true_rates(const std::vector<Turn>& turns, const Trajectory&
   std::vector<double> stamps_s;
   for (const Turn& turn : turns)
     stamps_s.insert(stamps_s.end(), {turn.from_s - delay_s, turn.to_s - delay_s});
-  const std::vector<std::optional<Pose>> at = truth_at(poses, stamps_s);
+  const std::vector<std::optional<Pose>> at = truth_at(poses, stamps_s, kLongest_s);
   std::vector<double> rates(turns.size(), std::nan(""));
   for (std::size_t k = 0; k < turns.size(); ++k)
     if (at[2 * k] && at[2 * k + 1])

@@ -22,8 +22,8 @@ struct OdometryDelay {
 /// Compares how the robot turns by the odometry, from reading to reading, with how it turns by the poses
 /// `delay_s` earlier, by least squares over -0.3 to 0.3 s. A wrong scale of the odometry is allowed for, and
 /// readings that do not fit at all (slips, jumps) are left out. `odometry` is what the scans carry, in the
-/// log's order and any frame; `poses` is as dense as the scans. Nothing where turns are too few or too alike
-/// to tell. Deterministic.
+/// log's order and any frame; `poses` is as dense as the scans. Where either has more than 0.6 s between two,
+/// that part is left out. Nothing where turns are too few or too alike to tell. Deterministic.
 std::optional<OdometryDelay> estimate_odometry_delay(const Trajectory& odometry, const Trajectory& poses);
 
 }  // namespace parloc::tools
