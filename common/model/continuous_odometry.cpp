@@ -12,10 +12,9 @@ constexpr double kJitter_s = 0.1;
 constexpr double kShortest_s = 0.02;
 /// Nothing is known of a longer time.
 constexpr double kLongest_s = 10.0;
-/// So many stamps in a row that do not advance are a clock that stands still: a step is then taken for this
-/// long. Fewer are several LiDARs, or packets that came together.
+/// So many stamps in a row that do not advance are a clock that stands still. Fewer are several LiDARs, or
+/// packets that came together.
 constexpr int kStandsStill = 3;
-constexpr double kNominal_s = 0.1;
 /// What a robot did last it goes on doing for as long.
 constexpr double kInertia_s = 1.0;
 /// As kJitter_s, for turns: what a robot turns while its stamps are off.
@@ -59,7 +58,7 @@ std::optional<OdometryReading> ContinuousOdometry::take(double stamp_s, const Po
   stalled_ += advances ? 0 : 1;
   last.stood_still = advances ? 0 : std::min(last.stood_still + 1, kStandsStill);
   const bool clock_runs = last.stood_still < kStandsStill && advances;
-  const double elapsed_s = advances ? stamps_s : last.stood_still == kStandsStill ? kNominal_s : 0.0;
+  const double elapsed_s = advances ? stamps_s : last.stood_still == kStandsStill ? kGuess_s : 0.0;
 
   OdometryReading reading;
   reading.elapsed_s = elapsed_s;

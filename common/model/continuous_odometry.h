@@ -33,6 +33,9 @@ struct OdometryMemory {
 /// sound.
 class ContinuousOdometry {
  public:
+  /// So long is a step taken for where stamps stand still.
+  static constexpr double kGuess_s = 0.1;
+
   /// `limits` outlives this.
   explicit ContinuousOdometry(const MotionConfig& limits) : limits_(limits) {}
 

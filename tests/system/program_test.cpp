@@ -59,7 +59,7 @@ TEST_F(Program, LocalizesAndWritesEverything) {
   expect_parts(read("out/report.html"), {"</html>"});
   EXPECT_LT(json_of("out/metrics.json").at("position_max_m").get<double>(), 0.2);  // two cells
   expect_png(path("out/errors.png"));
-  EXPECT_EQ(contents(path("out")).size(), 5u);  // nothing temporary is left
+  EXPECT_EQ(contents(path("out")).size(), 6u);  // nothing temporary is left
 }
 
 TEST_F(Program, JsonIsAllThatIsPrinted) {
@@ -264,7 +264,9 @@ TEST_F(Program, InterruptedRunsKeepWhatTheyHave) {
     const Json metrics = Json::parse(outcome.out);
     EXPECT_EQ(metrics.at("interrupted"), true);
     EXPECT_EQ(metrics.at("scans"), rows);
-    EXPECT_EQ(contents(path("cut")).size(), 4u);
+    const std::string poses = read("cut/poses.csv");
+    EXPECT_EQ(std::count(poses.begin(), poses.end(), '\n'), static_cast<std::ptrdiff_t>(rows + 1));
+    EXPECT_EQ(contents(path("cut")).size(), 5u);
   }
 }
 

@@ -91,6 +91,44 @@ TEST(LocalizeLog, OneRowPerScanAtTheScan) {
   }
 }
 
+TEST(LocalizeLog, EveryScanIsAnsweredAsItIsWrittenAndWithTheBeamsThatWereUsed) {
+  test::SmallDrive drive = test::small_drive(test::small_room(), 6);
+  drive.scans[3].scan.ranges_m.assign(61, 0.0f);  // nothing that could be used
+  LocalizeRequest request = small_request();
+  std::vector<std::size_t> beams;
+  Trajectory answered;
+  request.answered = [&](const ScanAnswer& answer) {
+    beams.push_back(answer.beams_used);
+    answered.push_back({answer.stamp_s, answer.estimate.filter.pose});
+    EXPECT_TRUE(answer.judged);
+    EXPECT_EQ(answer.estimate.filter.weighted, answer.beams_used > 0);
+  };
+  const Localization run = localize(test::carmen_log_of(drive), request);
+  EXPECT_EQ(beams, (std::vector<std::size_t>{61, 61, 61, 0, 61, 61}));
+  ASSERT_EQ(answered.size(), run.trajectory.size());
+  for (std::size_t k = 0; k < answered.size(); ++k) {
+    EXPECT_EQ(answered[k].stamp_s, run.trajectory[k].stamp_s);
+    EXPECT_EQ(answered[k].pose.x_m, run.trajectory[k].pose.x_m);
+    EXPECT_EQ(answered[k].pose.theta_rad, run.trajectory[k].pose.theta_rad);
+  }
+}
+
+TEST(LocalizeLog, StampsThatStandStillAreOneWarningAndStrictRefusesThem) {
+  test::SmallDrive drive = test::small_drive(test::small_room(), 20);
+  for (LogRecord& record : drive.scans) record.stamp_s = record.scan.stamp_s = 0.0;
+  const std::string log = test::carmen_log_of(drive);
+  const std::string words = "stamps stand still: 19 of 20 scans";
+  RunResults results;
+  results.run = localize(log, small_request());
+  const std::string summary = run_summary(results);
+  EXPECT_NE(summary.find(words), std::string::npos) << summary;
+  EXPECT_EQ(summary.find("stamps"), summary.rfind("stamps")) << summary;
+  EXPECT_NE(metrics_json(results).find(words), std::string::npos);
+  LocalizeRequest strict = small_request();
+  strict.strict = true;
+  expect_error(ErrorKind::input, words, [&] { localize(log, strict); });
+}
+
 TEST(LocalizeLog, AnywhereHasNoDeadReckoning) {
   LocalizeRequest request = small_request();
   request.start = StartPose{true, {}, 0, 0, 0};

@@ -4,8 +4,12 @@
 
 #include <gtest/gtest.h>
 
+#include <filesystem>
+#include <string>
+
 #include "tests/unit/small_drive.h"
 #include "tests/unit/temp_file.h"
+#include "tools/slam/results.h"
 
 namespace parloc::tools::slam {
 namespace {
@@ -54,6 +58,23 @@ TEST(MapLog, ABreakWhileLoopsAreClosedLeavesThemOpen) {
   EXPECT_EQ(resumed.digest, whole.digest);
   EXPECT_EQ(resumed.resumed_at, whole.scans);
   EXPECT_EQ(resumed.growth.size(), whole.growth.size());
+}
+
+TEST(MapLog, AJumpOfTheOdometryAndStampsThatStandStillAreSaid) {
+  test::SmallDrive drive = test::small_drive(test::small_room(), 30);
+  for (int k = 15; k < 30; ++k) drive.scans[k].odometry.x_m += 5.0;
+  const auto mapped = [&] {
+    const test::TempFile log("drive.log", carmen_log_of(drive));
+    SlamResults results;
+    results.mapping = map_log(*open_carmen_log(log.path()), request_of(log.path(), {}));
+    EXPECT_EQ(results.mapping.odometry_jumps, 1u);
+    return summary_text(results);
+  };
+  EXPECT_NE(mapped().find("1 jumps of the odometry"), std::string::npos);
+  for (LogRecord& record : drive.scans) record.stamp_s = record.scan.stamp_s = 0.0;
+  const std::string still = mapped();
+  EXPECT_NE(still.find("stamps stand still: 29 of 30 scans"), std::string::npos) << still;
+  EXPECT_EQ(still.find("stamp of the"), still.rfind("stamp of the")) << still;  // once
 }
 
 }  // namespace

@@ -6,6 +6,7 @@
 #include <cmath>
 #include <cstdio>
 #include <memory>
+#include <optional>
 #include <string>
 
 #include "common/config/config.h"
@@ -16,6 +17,7 @@
 #include "common/map/map_reader.h"
 #include "common/model/model_settings.h"
 #include "tools/learn/learn.h"
+#include "tools/learn/odometry_delay.h"
 #include "tools/program/commands.h"
 #include "tools/program/output_folder.h"
 #include "tools/program/parse_number.h"
@@ -42,8 +44,9 @@ void declare(CLI::App& app, LearnOptions& o) {
   add_text_option(app, "--out", o.out, "DIR", "Folder for the results (parloc_learned)");
   app.add_flag("--quiet", o.quiet, "No progress; print the settings alone");
   app.footer(
-      "Learns z_hit, z_short, z_max, z_rand, sigma_hit and lambda_short of the models beam and\n"
-      "class_conditional from measured and expected ranges (EM). Prints a block for a\n"
+      "Learns z_hit, z_short, z_max, z_rand, sigma_hit and lambda_short of the models\n"
+      "beam and class_conditional from measured and expected ranges (EM), and\n"
+      "odometry_delay_s from turns (written if it is sure). Prints a block for a\n"
       "configuration; writes it (sensor.yaml) and a histogram (mixture.png).");
 }
 
@@ -79,6 +82,18 @@ std::string sensor_block(const SensorConfig& s, const std::string& typed) {
       s.lambda_short);
 }
 
+/// A remark, to be tried: on logs with irregular stamps it was off by half (docs/how_it_works.md).
+std::string motion_block(const OdometryDelay& delay) {
+  return fmt::format("# motion: {{odometry_delay_s: {:.3f}}}   # [s], standard error {:.3f}: try it\n",
+                     delay.delay_s, delay.sigma_s);
+}
+
+std::string delay_text(const std::optional<OdometryDelay>& delay) {
+  if (!delay) return "not known: too few turns, or too far apart";
+  return fmt::format("{:.3f} s, standard error {:.3f} s, from {} turns{}", delay->delay_s, delay->sigma_s,
+                     delay->turns, delay->significant() ? "" : ": not sure to be another than 0");
+}
+
 RangePairsOfLog collect(const LearnOptions& o, const Config& config) {
   const GridMap map = read_map(o.map);
   const std::unique_ptr<LogReader> log = open_log(o.log);
@@ -112,7 +127,9 @@ int run(const LearnOptions& o, const std::string& typed) {
   Config learned = config;
   learned.sensor = with_mixture(config.sensor, fit.mixture);
   validate(learned);
-  const std::string block = sensor_block(learned.sensor, typed);
+  const std::optional<OdometryDelay> delay = estimate_odometry_delay(found.odometry, read_tum(o.truth));
+  std::string block = sensor_block(learned.sensor, typed);
+  if (delay && delay->significant()) block += motion_block(*delay);
   replace_file(out.staged(kConfig), block);
   write_mixture_picture(out.staged(kPicture), found.ranges, fit.mixture);
   out.publish();
@@ -123,6 +140,7 @@ int run(const LearnOptions& o, const std::string& typed) {
     fmt::print(stderr, "{:<16}{:.4f} per beam after {} rounds, from {:.4f}{}\n", "log-likelihood",
                fit.log_likelihood.back(), fit.log_likelihood.size(), fit.log_likelihood.front(),
                fit.converged ? "" : " (not at its end yet)");
+    fmt::print(stderr, "{:<16}{}\n", "odometry delay", delay_text(delay));
     fmt::print(stderr, "{:<16}{} (beside it: {})\n", "picture", out.final_path(kPicture), kConfig);
   }
   return interrupted() ? kExitInterrupted : 0;

@@ -16,6 +16,7 @@ namespace parloc::tools {
 struct RangePairsOfLog {
   RangePairs ranges;
   std::size_t scans = 0, without_pose = 0;
+  Trajectory odometry;  ///< What the scans carry, one row each, in file order.
 };
 
 /// The beams that the configuration chooses of each scan, and what the map says from the scan's pose: the

@@ -69,6 +69,7 @@ RangePairsOfLog collect_range_pairs(const GridMap& map, LogReader& log, const Tr
     robot.move(records[k].stamp_s, records[k].odometry);
     if (records[k].kind != RecordKind::scan) continue;
     ++result.scans;
+    result.odometry.push_back({records[k].stamp_s, records[k].odometry});
     if (pose[k])
       robot.look(records[k].scan, *pose[k], result.ranges);
     else

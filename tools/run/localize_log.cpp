@@ -12,6 +12,7 @@
 #include "common/error.h"
 #include "common/io/scan_stream.h"
 #include "common/math/quantile.h"
+#include "common/model/beams.h"
 #include "common/model/lidar.h"
 #include "tools/report/even_sample.h"
 #include "tools/report/machine/statistics.h"
@@ -55,10 +56,11 @@ class StrictCheck {
   }
 
   /// At the end of the log.
-  void check_lidars(const ParticleFilter& filter) const {
+  void check_whole(const ParticleFilter& filter, const ScanTimes& times) const {
     if (!strict_) return;
     const std::string unused = unused_lidars(filter.config(), filter.lidars_used());
-    if (!unused.empty()) throw input_error(log_name_, 0, unused + " (--strict)");
+    for (const std::string& trouble : {unused, times.trouble()})
+      if (!trouble.empty()) throw input_error(log_name_, 0, trouble + " (--strict)");
   }
 
  private:
@@ -110,7 +112,8 @@ class Run {
  public:
   Run(const GridMap& map, const LocalizeRequest& request, const LogRecord& first)
       : tracker_(filter_config(request), map, request.config.localize.health && !request.odometry_only),
-        start_(start_of(request, first.stamp_s)) {
+        start_(start_of(request, first.stamp_s)),
+        answered_(request.answered) {
     result_.odometry_only = request.odometry_only;
     result_.config = filter_config(request);
     tracker_.start(start_);
@@ -135,9 +138,13 @@ class Run {
     result_.steps.push_back(step_record(estimate, record.stamp_s, step_ms));
     if (tracker_.judged()) result_.steps.back().health = judged.health;
     result_.steps.back().searched = judged.searched;
+    if (answered_)
+      answered_({record.stamp_s, judged, tracker_.judged(),
+                 estimate.weighted ? filter().last_beams().count : std::size_t{0}});
     result_.modes = std::move(judged.modes);
     result_.lost_steps += estimate.lost ? 1 : 0;
     ++result_.scans;
+    result_.times.add(record.scan.sensor, record.stamp_s);
     earliest_s_ = std::min(earliest_s_, record.stamp_s);
     latest_s_ = std::max(latest_s_, record.stamp_s);
     snapshots_.offer([&] { return snapshot_of(filter(), estimate.pose, last_scan_); });
@@ -145,6 +152,7 @@ class Run {
 
   const ParticleFilter& filter() const { return tracker_.filter(); }
   std::size_t scans() const { return result_.scans; }
+  const ScanTimes& times() const { return result_.times; }
 
   Localization finish(const LogWarnings& warnings) {
     result_.wall_s = seconds_since(begun_);
@@ -165,6 +173,7 @@ class Run {
  private:
   Tracker tracker_;
   StartPose start_;
+  const std::function<void(const ScanAnswer&)>& answered_;
   Pose T_map_odometry_;
   EvenSample<Snapshot> snapshots_{12};
   Scan last_scan_;
@@ -202,7 +211,7 @@ Localization localize_log(const GridMap& map, LogReader& log, const LocalizeRequ
     if (request.progress) request.progress(log.progress(), run.scans());
     more = scans.next(record);
   }
-  if (!more) strict.check_lidars(run.filter());
+  if (!more) strict.check_whole(run.filter(), run.times());
   Localization result = run.finish(log.warnings());
   result.interrupted = more;
   return result;

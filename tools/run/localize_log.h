@@ -14,7 +14,9 @@
 #include "common/io/trajectory.h"
 #include "common/localize/modes.h"
 #include "common/map/grid_map.h"
+#include "tools/program/scan_times.h"
 #include "tools/report/report.h"
+#include "tools/run/pose_file.h"
 #include "tools/run/start_pose.h"
 
 namespace parloc::tools {
@@ -27,7 +29,8 @@ struct LocalizeRequest {
   bool odometry_only = false;      ///< Predict, never weigh: how the particles spread without the LiDAR.
   bool strict = false;             ///< What would be counted as a warning is an Error{input}.
   std::function<void(double fraction, std::size_t scans)>
-      progress;                ///< Called after every scan; may be empty.
+      progress;                                     ///< Called after every scan; may be empty.
+  std::function<void(const ScanAnswer&)> answered;  ///< Likewise, with what is said of it.
   std::function<bool()> stop;  ///< Asked before every scan; may be empty. True ends the run early.
 };
 
@@ -45,6 +48,7 @@ struct Localization {
   BeamCounts beams;              ///< Of all LiDARs.
   std::vector<LidarUse> lidars;  ///< Of each, in the order in which they came.
   LogWarnings warnings;
+  ScanTimes times;
   Config config;
   std::string backend;
   std::string digest;

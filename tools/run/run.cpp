@@ -24,6 +24,7 @@
 #include "tools/program/progress.h"
 #include "tools/report/report.h"
 #include "tools/run/localize_log.h"
+#include "tools/run/pose_file.h"
 #include "tools/run/run_results.h"
 
 namespace parloc::tools {
@@ -34,6 +35,7 @@ struct RunOptions : ConfigOptions {
   std::vector<std::string> init;
   std::string map, log, truth, relations, near, heading, particles;
   std::string out = "parloc_out";
+  std::optional<PoseFormat> poses;
   bool odometry_only = false, strict = false, json = false, quiet = false;
 };
 
@@ -45,9 +47,11 @@ void declare(CLI::App& app, RunOptions& o) {
   add_text_option(app, "--config", o.config, "C.yaml", "Settings over the defaults");
   add_text_option(app, "--init", o.init, "START", "x,y,theta[,sx,sy,st] (again: or there), or global")
       ->allow_extra_args(false);
-  add_text_option(app, "--near", o.near, "X,Y,R", "--init global within R of (X, Y) [m] only");
-  add_text_option(app, "--heading", o.heading, "A,T", "... and headings from A - T to A + T only [rad]");
+  add_text_option(app, "--near", o.near, "X,Y,R", "global within R of (X, Y) [m]; --heading A,T: A +- T");
+  add_text_option(app, "--heading", o.heading, "A,T", "Headings from A - T to A + T only [rad]")->group("");
   add_text_option(app, "--out", o.out, "DIR", "Folder for the results (parloc_out)");
+  add_choice_option(app, "--poses", o.poses, kPoseFormats, "FORMAT",
+                    "Poses with all that is said of them: csv, jsonl, none");
   add_choice_option(app, "--backend", o.backend, kBackends, "WHICH",
                     "auto, cpu or cuda; --device D is one of several GPUs");
   add_text_option(app, "--device", o.device, "D", "CUDA device, as parloc devices lists them")->group("");
@@ -97,6 +101,21 @@ bool has_errors(const RunResults& results) {
   return results.errors && results.errors->compared > 0;
 }
 
+/// The file's name; empty for none.
+std::string poses_name(PoseFormat format) {
+  return format == PoseFormat::csv ? kPosesCsv : format == PoseFormat::jsonl ? kPosesJsonl : "";
+}
+
+/// What stands beside the report.
+std::string others_text(const RunResults& results, PoseFormat format) {
+  std::vector<std::string> names{kPicture};
+  if (has_errors(results)) names.push_back(kErrors);
+  names.push_back(kTrajectory);
+  if (format != PoseFormat::none) names.push_back(poses_name(format));
+  names.push_back(kMetrics);
+  return fmt::format("{}", fmt::join(names, ", "));
+}
+
 void write_results(OutputFolder& out, const RunResults& results, const GridMap& map) {
   const RunReport report = run_report(results, map);
   write_tum(out.staged(kTrajectory), results.run.trajectory);
@@ -124,7 +143,9 @@ int run(const RunOptions& o, const std::string& typed) {
   if (!o.truth.empty()) request.truth = read_tum(o.truth);
   const std::vector<Relation> relations =
       o.relations.empty() ? std::vector<Relation>{} : read_relations(o.relations);
-  OutputFolder out(o.out, {kTrajectory, kMetrics, kReport, kPicture, kErrors});
+  OutputFolder out(o.out, {kTrajectory, kPosesCsv, kPosesJsonl, kMetrics, kReport, kPicture, kErrors});
+  const PoseFormat format = o.poses.value_or(PoseFormat::csv);
+  PoseFile poses(format, out.staged(poses_name(format)));
 
   RunResults results{o.map, o.log, o.truth, o.relations, typed, start_text(o), {}, {}, {}, {}, {}, {}};
   catch_interrupts();
@@ -133,6 +154,7 @@ int run(const RunOptions& o, const std::string& typed) {
     request.progress = [&](double fraction, std::size_t scans) {
       progress.update(fraction, fmt::format("{} scans", scans));
     };
+    request.answered = [&](const ScanAnswer& answer) { poses.write(answer); };
     request.stop = interrupted;
     results.run = localize_log(map, *log, request);
   }
@@ -147,14 +169,14 @@ int run(const RunOptions& o, const std::string& typed) {
     results.odometry_errors = compare_tracks(results.run.odometry, results.truth);
   }
   if (!o.relations.empty()) results.relations = compare_relations(results.run.trajectory, relations);
+  poses.commit();
   write_results(out, results, map);
 
   if (o.json) {
     std::fputs(metrics_json(results).c_str(), stdout);
   } else if (!o.quiet) {
-    fmt::print("{}{:<16}{} (beside it: {}, {}{}, {})\n", run_summary(results), "report",
-               out.final_path(kReport), kPicture, has_errors(results) ? "errors.png, " : "", kTrajectory,
-               kMetrics);
+    fmt::print("{}{:<16}{} (beside it: {})\n", run_summary(results), "report", out.final_path(kReport),
+               others_text(results, format));
   }
   const std::string doubt = doubt_at_end(results.run);
   if (!doubt.empty()) fmt::print(stderr, "parloc: {}\n", doubt);

@@ -56,6 +56,7 @@ Json odometry_json(const std::optional<TrackErrors>& errors) {
 std::vector<std::pair<const char*, std::size_t>> counted(const Localization& run) {
   return {{"broken_lines", run.warnings.broken_lines},
           {"backward_stamps", run.warnings.backward_stamps},
+          {"repeated_stamps", run.times.repeated()},
           {"beam_count_changes", run.warnings.beam_count_changes},
           {"unknown_messages", run.warnings.unknown_messages},
           {"odometry_jumps", run.odometry_jumps},
@@ -247,6 +248,7 @@ std::vector<std::string> warning_lines(const Localization& run) {
   };
   add(run.warnings.broken_lines, "broken lines were skipped");
   add(run.warnings.backward_stamps, "scans go back in time; the order of the file was kept");
+  if (const std::string trouble = run.times.trouble(); !trouble.empty()) lines.push_back(trouble);
   add(run.warnings.beam_count_changes, "scans have another number of beams than the one before");
   add(run.odometry_jumps, "jumps of the odometry");
   add(run.lost_steps, "steps in which no particle fitted the scan");
@@ -296,6 +298,7 @@ std::string metrics_json(const RunResults& results) {
   json["beams_rejected"] = rejected_json(run.beams);
   for (const LidarUse& lidar : run.lidars) json["lidars"].push_back(lidar_json(lidar));
   for (const auto& [what, count] : counted(run)) json["warnings"][what] = count;
+  json["warnings"]["stamps"] = text_or_null(run.times.trouble());
   json["warnings"]["messages"] = run.warnings.messages;
   json["backend"] = run.backend;
   json["seed"] = run.config.seed;

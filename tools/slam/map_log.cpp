@@ -41,6 +41,7 @@ void finish(const GridSlam& slam, Mapping& m) {
   m.resident_bytes = tools::peak_resident_bytes();
   m.lidars = slam.lidars_used();
   m.backend = slam.backend_name();
+  m.odometry_jumps = slam.odometry_jumps();
   m.scan_odometry = slam.scan_odometry();
   if (m.scan_odometry) m.odometry = slam.odometry();  // its first scan is its origin
 }

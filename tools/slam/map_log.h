@@ -14,8 +14,8 @@
 #include "common/model/beam_counts.h"
 #include "common/model/lidar.h"
 #include "common/slam/grid_slam.h"
+#include "tools/program/scan_times.h"
 #include "tools/slam/growth.h"
-#include "tools/slam/log_oddities.h"
 
 namespace parloc::tools::slam {
 
@@ -49,6 +49,7 @@ struct Mapping {
   std::optional<std::size_t> resident_bytes;  ///< Of the program, at most; where the system says so.
   std::vector<LidarUse> lidars;
   LogWarnings warnings;
+  std::size_t odometry_jumps = 0;  ///< Of the scans since it was resumed, if it was.
   ScanTimes times;
   std::optional<ScanOdometryCounts> scan_odometry;  ///< Nothing with recorded odometry.
   bool odometry_chosen = false;                     ///< From the scans, since the recorded one never moves.

@@ -100,11 +100,16 @@ std::vector<std::string> warning_lines(const SlamResults& results) {
   };
   add(m.warnings.broken_lines, "broken lines were skipped");
   add(m.warnings.backward_stamps, "scans go back in time; the order of the file was kept");
-  add(m.times.repeated(), "scans have the time stamp of the one before");
+  if (const std::string trouble = m.times.trouble(); !trouble.empty()) {
+    lines.push_back(trouble);
+  } else {
+    add(m.times.repeated(), "scans have the time stamp of the one before");
+  }
   if (m.times.gaps() > 0)
     lines.push_back(fmt::format("{} gaps of more than {} s between scans, the longest {:.1f} s",
                                 m.times.gaps(), ScanTimes::kGap_s, m.times.longest_gap_s()));
   add(m.warnings.beam_count_changes, "scans have another number of beams than the one before");
+  add(m.odometry_jumps, "jumps of the odometry");
   lines.insert(lines.end(), m.warnings.messages.begin(), m.warnings.messages.end());
   return lines;
 }
@@ -222,8 +227,10 @@ std::string metrics_json(const SlamResults& results) {
   json["warnings"] = {{"broken_lines", m.warnings.broken_lines},
                       {"backward_stamps", m.warnings.backward_stamps},
                       {"repeated_stamps", m.times.repeated()},
+                      {"stamps", text_or_null(m.times.trouble())},
                       {"gaps", m.times.gaps()},
                       {"beam_count_changes", m.warnings.beam_count_changes},
+                      {"odometry_jumps", m.odometry_jumps},
                       {"messages", m.warnings.messages}};
   json["backend"] = m.backend;
   json["seed"] = m.config.seed;
