@@ -76,6 +76,12 @@ void look_along(const SearchTask& t, std::int32_t k, Looks& looks) {
   }
 }
 
+/// As many columns of blocks as are summed as a square, not row by row.
+constexpr std::int32_t kNarrow = kBlockCells;
+bool narrow(const SearchTask& t) {
+  return t.block_end_i - t.block_i <= kNarrow;
+}
+
 /// found(block_i, block_j, bound) for every free block of a row whose bound reaches least().
 template <class Least, class Found>
 inline __attribute__((always_inline)) void sweep_row(const SearchTask& t, std::int32_t j, Looks& looks,
@@ -95,6 +101,37 @@ inline __attribute__((always_inline)) void sweep_row(const SearchTask& t, std::i
     for (std::int32_t n = 0; n < lanes; ++n)
       if (sums.lane[n] >= least() && free[i + n] != 0) found(i + n, j, std::uint32_t{sums.lane[n]});
   }
+}
+
+/// The same for a few rows of a narrow task.
+template <class Least, class Found>
+inline __attribute__((always_inline)) void sweep_square(const SearchTask& t, std::int32_t j,
+                                                        std::int32_t rows, const Looks& looks,
+                                                        const Least& least, const Found& found) {
+  const SearchPlane& windows = t.grid.windows;
+  Sums sums;
+  const auto square = [&](std::int32_t b, std::uint8_t* bytes) {
+    const std::uint8_t* from = looks.plane[b] + limited(t.block_i + looks.entry[b].x, -kLanes, windows.width);
+    for (std::int32_t row = 0; row < kNarrow; ++row) {
+      const std::int32_t y = limited(j + row + looks.entry[b].y, -1, windows.height);
+      std::memcpy(bytes + row * kNarrow, from + std::int64_t{y} * windows.stride, kNarrow);
+    }
+  };
+  if (!sum_lanes(t.beams, least(), square, sums)) return;
+  for (std::int32_t n = 0; n < rows * kNarrow; ++n) {
+    const std::int32_t i = t.block_i + n % kNarrow, row = j + n / kNarrow;
+    if (i < t.block_end_i && sums.lane[n] >= least() &&
+        t.grid.free_blocks[std::int64_t{row} * t.grid.blocks_x() + i] != 0)
+      found(i, row, std::uint32_t{sums.lane[n]});
+  }
+}
+
+/// And for rows of any task, `rows` of them from j on; a few only if it is narrow.
+template <class Least, class Found>
+inline __attribute__((always_inline)) void sweep_rows(const SearchTask& t, std::int32_t j, std::int32_t rows,
+                                                      Looks& looks, const Least& least, const Found& found) {
+  if (narrow(t)) return sweep_square(t, j, rows, looks, least, found);
+  for (std::int32_t row = j; row < j + rows; ++row) sweep_row(t, row, looks, least, found);
 }
 
 /// Scores all poses of a block at one heading and records the best.
@@ -168,20 +205,22 @@ class CpuSearch final : public SearchBackend {
       const auto first = static_cast<std::int32_t>(round) * kDiveStep;
       return task.heading(first + kDiveStep / 2 < task.heading_count ? first + kDiveStep / 2 : first);
     };
-    for_each_row(rows, heading_of, [&](std::size_t round, std::int32_t j, Looks& looks) PARLOC_SIMD_LOOP {
-      std::uint64_t most = atomic_read(tops + round);
-      sweep_row(
-          task, j, looks,
-          [&] {
-            const auto bound = static_cast<std::uint32_t>(most >> 32);
-            return bound > task.least ? bound : task.least;
-          },
-          [&](std::int32_t i, std::int32_t row, std::uint32_t bound) {
-            const std::uint64_t key = block_key(bound, static_cast<std::uint32_t>(row * width + i));
-            if (key > most) most = key;
-          });
-      atomic_raise(tops + round, most);
-    });
+    for_each_row(rows, heading_of,
+                 [&](std::size_t round, std::int32_t j, std::int32_t few, Looks& looks) PARLOC_SIMD_LOOP {
+                   std::uint64_t most = atomic_read(tops + round);
+                   sweep_rows(
+                       task, j, few, looks,
+                       [&] {
+                         const auto bound = static_cast<std::uint32_t>(most >> 32);
+                         return bound > task.least ? bound : task.least;
+                       },
+                       [&](std::int32_t i, std::int32_t row, std::uint32_t bound) {
+                         const std::uint64_t key =
+                             block_key(bound, static_cast<std::uint32_t>(row * width + i));
+                         if (key > most) most = key;
+                       });
+                   atomic_raise(tops + round, most);
+                 });
   }
 
   void dive(SearchItems headings) override {
@@ -204,15 +243,16 @@ class CpuSearch final : public SearchBackend {
     std::uint64_t* count = &found_;
     Found* queue = queue_.get();
     const auto heading_of = [&](std::size_t n) { return task.heading(static_cast<std::int32_t>(n)); };
-    for_each_row(rows, heading_of, [&](std::size_t n, std::int32_t j, Looks& looks) PARLOC_SIMD_LOOP {
-      sweep_row(
-          task, j, looks, [&] { return least; },
-          [&](std::int32_t i, std::int32_t row, std::uint32_t bound) {
-            queue[atomic_add(count, std::uint64_t{1})] = {static_cast<std::uint16_t>(bound),
-                                                          static_cast<std::uint16_t>(n),
-                                                          static_cast<std::uint32_t>(row * width + i)};
-          });
-    });
+    for_each_row(rows, heading_of,
+                 [&](std::size_t n, std::int32_t j, std::int32_t few, Looks& looks) PARLOC_SIMD_LOOP {
+                   sweep_rows(
+                       task, j, few, looks, [&] { return least; },
+                       [&](std::int32_t i, std::int32_t row, std::uint32_t bound) {
+                         queue[atomic_add(count, std::uint64_t{1})] = {
+                             static_cast<std::uint16_t>(bound), static_cast<std::uint16_t>(n),
+                             static_cast<std::uint32_t>(row * width + i)};
+                       });
+                 });
   }
 
   std::size_t found() override { return static_cast<std::size_t>(found_); }
@@ -260,23 +300,25 @@ class CpuSearch final : public SearchBackend {
                         });
   }
 
-  /// work(n, row of the map, looks) for each row of the task, at heading_of(n).
+  /// work(n, row of the map, how many from there on, looks) for all rows of the task, at heading_of(n).
   template <class Heading, class Work>
   void for_each_row(SearchItems items, const Heading& heading_of, const Work& work) const {
     const SearchTask& t = task_;
     const auto rows = static_cast<std::size_t>(t.block_end_j - t.block_j);
     const auto strips = static_cast<std::size_t>((t.block_end_i - t.block_i + kLanes - 1) / kLanes);
-    const std::size_t few = kSmallWork / 8 / strips + 1;
+    const std::size_t few = kSmallWork / 8 / strips + 1, at_once = narrow(t) ? kNarrow : 1;
     const int threads = items.count * strips < kSmallWork ? 1 : workers_.threads;
     cpu::parallel_tasks((items.count + few - 1) / few, threads, [&](std::size_t task) PARLOC_SIMD_LOOP {
       Looks looks;
       std::size_t looks_at = ~std::size_t{0};
-      const std::size_t first = items.first + task * few;
-      for (std::size_t item = first; item < std::min(first + few, items.end()); ++item) {
+      const std::size_t end = std::min(items.first + (task + 1) * few, items.end());
+      for (std::size_t item = items.first + task * few, next; item < end; item = next) {
         const std::size_t n = item / rows;
         if (n != looks_at) look_along(t, heading_of(n), looks);
         looks_at = n;
-        work(n, t.block_j + static_cast<std::int32_t>(item % rows), looks);
+        next = std::min({item + at_once, (n + 1) * rows, end});
+        work(n, t.block_j + static_cast<std::int32_t>(item % rows), static_cast<std::int32_t>(next - item),
+             looks);
       }
     });
   }

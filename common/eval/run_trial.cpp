@@ -57,6 +57,7 @@ TrialSample compare(const LocalizerEstimate& e, double stamp_s, const Pose& trut
   s.heading_error_rad = std::fabs(heading_rad);
   s.probability = e.health.probability;
   s.evidence = e.health.evidence;
+  s.log_odds = e.health.log_odds;
   s.share = e.filter.cluster.weight;
   s.state = e.health.state;
   s.searched = e.searched;

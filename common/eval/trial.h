@@ -62,6 +62,7 @@ struct TrialSample {
   double x_error_m = 0.0, sigma_x_m = 0.0;  ///< Along the map's x axis: signed, and as the filter has it.
   double probability = 0.0;                 ///< Of being right, as it says.
   double evidence = 0.0;                    ///< What the scans say for it [nat per beam] (HealthMonitor).
+  double log_odds = 0.0;                    ///< Likewise.
   double share = 0.0;                       ///< Of the weight, around the estimate.
   HealthState state = HealthState::lost;
   bool searched = false;  ///< The whole map was searched in this step.

@@ -150,7 +150,9 @@ Estimate FlowFilter::step(const Pose& recorded, const Scan& scan) {
   // What the sensor models of a particle filter need of a beam is not read here.
   const bool enough = s.front_end.take(scan, SensorConfig{}, s.map.resolution_m, s.beams) &&
                       s.beams.hits >= static_cast<std::size_t>(c.scan.min_beams);
-  const MotionStep motion = motion_step(s.front_end.move_to(odometry->pose), c.motion);
+  Movement movement = s.front_end.move_to(odometry->pose);
+  movement.elapsed_s = 0.0;  // flows have floors of their own
+  const MotionStep motion = motion_step(movement, c.motion);
   const FlowState& after = s.backend->step(motion, s.key(), enough ? &s.beams : nullptr);
   const Estimate e = s.to_estimate(after);
   s.why_skipped = text_of(after.skip);

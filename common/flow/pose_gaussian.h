@@ -16,8 +16,8 @@ struct PoseGaussian {
 struct MotionNoise {
   double rot1, trans, rot2;
   Vector3 variance;  ///< Of the three; omni: of the way to the side, of the translation, of the rotation.
-  bool omni;
-  double spread_xy, spread_theta;  ///< Variances besides, whatever the motion.
+  bool omni = false;
+  double spread_xy = 0.0, spread_theta = 0.0;  ///< Variances besides, whatever the motion.
 };
 PARLOC_HD MotionNoise motion_noise(const MotionStep& m) {
   MotionNoise n{m.rot1, m.trans, m.rot2, {}, m.omni != 0, 0.0, 0.0};

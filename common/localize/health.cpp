@@ -11,7 +11,7 @@ namespace {
 /// common, and never more than a few nat, since a scan may be bad by itself. They are as common so far below
 /// what is typical of the drive, but not beyond what any place is worth.
 constexpr double kBelowTypical = 0.9, kEvenLeast = 0.7, kEvenMost = 1.5;
-constexpr double kSlope = 6.0, kMostPerScan = 4.0;
+constexpr double kPerNat = 6.0, kMostPerScan = 4.0;
 /// Of the running mean of good evidence, per independent scan.
 constexpr double kTypicalRate = 0.02;
 constexpr double kAccepted = 1.0;  ///< [nat]
@@ -20,6 +20,9 @@ constexpr double kAccepted = 1.0;  ///< [nat]
 constexpr double kMostFor = 7.0, kMostAgainst = -6.0;
 /// The running mean of the evidence, for people.
 constexpr double kSmoothing = 0.5;
+
+/// Logistic regression of "is right" on the log-odds: docs/localize.md says on what, and how well it fits.
+constexpr double kOffset = 0.0, kSlope = 1.0;
 
 constexpr double kLost = 0.05, kFound = 0.5;  // apart, so that it does not flicker
 constexpr double kOnePlace = 0.8;             // share of the weight that is one place
@@ -44,16 +47,17 @@ Health HealthMonitor::update(const ScanFit& fit) {
   evidence_ += (seen_ ? kSmoothing * fit.novelty : 1.0) * (fit.evidence - evidence_);
   seen_ = true;
   const double even = std::clamp(typical_ - kBelowTypical, kEvenLeast, kEvenMost);
-  const double says = std::clamp(kSlope * (fit.evidence - even), -kMostPerScan, kMostPerScan);
+  const double says = std::clamp(kPerNat * (fit.evidence - even), -kMostPerScan, kMostPerScan);
   if (fit.evidence > even) typical_ += kTypicalRate * fit.novelty * (fit.evidence - typical_);
   log_odds_ = std::clamp(log_odds_ + fit.novelty * says, kMostAgainst, kMostFor);
 
-  const double fits = 1.0 / (1.0 + static_cast<double>(portable_exp(static_cast<float>(-log_odds_))));
+  const double logit = kOffset + kSlope * log_odds_;
+  const double fits = 1.0 / (1.0 + static_cast<double>(portable_exp(static_cast<float>(-logit))));
   lost_ = lost_ ? fits < kFound : fits < kLost;
   const HealthState state = lost_                   ? HealthState::lost
                             : fit.share < kOnePlace ? HealthState::ambiguous
                                                     : HealthState::tracking;
-  return {fits * fit.share, evidence_, state};
+  return {fits * fit.share, evidence_, log_odds_, state};
 }
 
 }  // namespace parloc

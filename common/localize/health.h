@@ -13,6 +13,7 @@ const char* name_of(HealthState state);
 struct Health {
   double probability = 0.0;  ///< That the pose is within 0.5 m and 10 degrees of the truth.
   double evidence = 0.0;     ///< What the scans say for it, smoothed [nat per beam] (ScanEvidence).
+  double log_odds = 0.0;     ///< What they say together, before it is calibrated [nat] (HealthMonitor).
   HealthState state = HealthState::lost;
 };
 

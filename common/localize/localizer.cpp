@@ -4,6 +4,7 @@
 #include <limits>
 
 #include "common/localize/place_evidence.h"
+#include "common/localize/rivals.h"
 #include "common/localize/scan_novelty.h"
 #include "common/localize/slip_search.h"
 #include "common/math/portable64.h"
@@ -41,13 +42,6 @@ constexpr double kSlipShare = 0.25;  ///< Of the particles, for what is found th
 constexpr std::int64_t kSlice = 2'000'000;
 constexpr std::int64_t kAllWork = std::numeric_limits<std::int64_t>::max();
 constexpr double kSearchEvery_s = 2.0;  ///< Or sooner, if it has moved.
-/// Scans that must speak for another place besides the one that it was found by.
-constexpr std::size_t kOwnScans = 2;
-/// A carrying away is looked for this far back.
-constexpr double kLookBack_s = 10.0;
-/// Rivals that have not been decided on for so far are given up, and looked for anew.
-constexpr double kUndecided_m = 4.0;
-
 bool same_place(const Pose& a, const Pose& b) {
   return distance_m(a, b) < kSame_m && turn_rad(a, b) < kSame_rad;
 }
@@ -57,12 +51,6 @@ struct Now {
   Pose odometry;
   double elapsed_s;
   const BeamTable& beams;
-};
-
-/// A place where the robot may have been carried to, while it is tracked where it was.
-struct Rival {
-  Pose pose;              ///< Where the robot would be by the odometry now.
-  double log_odds = 0.0;  ///< Against the place that is tracked, before the price of having been carried.
 };
 
 }  // namespace
@@ -93,40 +81,36 @@ struct Localizer::State {
   std::unique_ptr<GlobalSearch> search;  // made when there is something to search
   std::unique_ptr<SlipSearch> slips;     // likewise
   PlaceEvidence judge;                   // remembers scans from where the doubt began
-  SearchPrior prior;
-  HealthMonitor monitor;
-  ScanNovelty novelty;
-  bool placed = false;                    // it was told or has found where it may be, since the start
-  bool lost = true;                       // search
-  bool was_settled = false;               // until it was lost; no search has found another place since
-  bool settled = false;                   // else there may be other places, as good as the filter's
-  std::optional<Pose> searched_odometry;  // where the last search began
-  double since_search_s = 0.0;
-  std::vector<Rival> rivals;
-  Pose rivals_odometry, rivals_found;  // that their poses are of; that they were found at
-  std::size_t rival_scans = 0, candidates = 0;
-  std::size_t searches = 0;
-  std::optional<Pose> tracked;  // the heaviest cluster, after the last step that was weighed
-  double since_well_m = 0.0;
-  Health last;
+
+  /// Of one run, from start to start.
+  struct Drive {
+    SearchPrior prior;
+    HealthMonitor monitor;
+    ScanNovelty novelty;
+    bool placed = false;                    // it was told or has found where it may be, since the start
+    bool lost = true;                       // search
+    bool settled = false;                   // else there may be other places, as good as the filter's
+    bool was_settled = false;               // until it was lost; no search has found another place since
+    std::optional<Pose> searched_odometry;  // where the last search began
+    double since_search_s = 0.0;
+    std::size_t searches = 0;
+    Rivals rivals;
+    std::optional<Pose> tracked;  // the heaviest cluster, after the last step that was weighed
+    double since_well_m = 0.0;
+    Health last;
+  };
+  Drive d;
 };
 
 void Localizer::State::begin(bool is_lost, bool is_settled, const SearchPrior& known) {
-  monitor.reset(is_lost ? kFoundLogOdds : kGivenLogOdds);
-  novelty.clear();
   judge.forget();
-  if (search) search->cancel();
-  prior = known;
-  placed = !is_lost;
-  lost = is_lost;
-  settled = is_settled;
-  was_settled = false;
-  searched_odometry.reset();
-  rivals.clear();
-  searches = 0;
-  tracked.reset();
-  since_well_m = 0.0;
-  last = {};
+  if (search) search->forget();  // slices end where they would if this run were the first
+  d = {};
+  d.monitor.reset(is_lost ? kFoundLogOdds : kGivenLogOdds);
+  d.prior = known;
+  d.placed = !is_lost;
+  d.lost = is_lost;
+  d.settled = is_settled;
 }
 
 GlobalSearch& Localizer::State::whole_map() {
@@ -141,18 +125,18 @@ SlipSearch& Localizer::State::near_by() {
 
 bool Localizer::State::search_is_due(const Pose& odometry) const {
   // With several guesses a scan is weighed before anything else is looked for.
-  if (settled || (!lost && !filter.odometry())) return false;
-  if (placed && (!config.localize.recover || !rivals.empty())) return false;
-  return !searched_odometry || since_search_s >= kSearchEvery_s ||
-         distance_m(odometry, *searched_odometry) >= config.localize.search_every_m ||
-         turn_rad(odometry, *searched_odometry) >= config.localize.search_every_rad;
+  if (d.settled || (!d.lost && !filter.odometry())) return false;
+  if (d.placed && (!config.localize.recover || !d.rivals.empty())) return false;
+  return !d.searched_odometry || d.since_search_s >= kSearchEvery_s ||
+         distance_m(odometry, *d.searched_odometry) >= config.localize.search_every_m ||
+         turn_rad(odometry, *d.searched_odometry) >= config.localize.search_every_rad;
 }
 
 void Localizer::State::start_search(const Now& now) {
-  whole_map().begin(now.beams, prior);
-  searched_odometry = now.odometry;
-  since_search_s = 0.0;
-  ++searches;
+  whole_map().begin(now.beams, d.prior);
+  d.searched_odometry = now.odometry;
+  d.since_search_s = 0.0;
+  ++d.searches;
 }
 
 /// Every place where the scan of the search may have been taken, moved to now and weighed by what is
@@ -160,10 +144,9 @@ void Localizer::State::start_search(const Now& now) {
 std::vector<Hypothesis> Localizer::State::found_now(const Now& now, LocalizerEstimate& out) {
   SearchResult result = search->result();
   std::vector<Hypothesis>& found = result.hypotheses;
-  candidates = result.candidates;
   out.searched = true;
   out.found = found.size();
-  const Pose moved_since = relative(now.odometry, *searched_odometry);
+  const Pose moved_since = relative(now.odometry, *d.searched_odometry);
   std::vector<Pose> places;
   for (Hypothesis& h : found) places.push_back(h.pose = compose(h.pose, moved_since));
   const std::vector<PlaceEvidence::Verdict> verdicts = judge.judge(places, now.odometry, now.beams);
@@ -185,31 +168,31 @@ std::vector<Mode> Localizer::State::modes_at(const Pose& odometry) const {
 /// Puts the particles where the scans say that the robot may be. Some stay where they are, if that was a
 /// place.
 void Localizer::State::put_at(std::vector<Hypothesis> found, const Now& now) {
-  settled = found[0].weight >= kNoDoubt;
-  if (settled) found.resize(1);
+  d.settled = found[0].weight >= kNoDoubt;
+  if (d.settled) found.resize(1);
   const double equal = 1.0 / static_cast<double>(found.size());
   std::vector<PoseGuess> guesses;
   for (const Hypothesis& h : found)
     guesses.push_back({h.pose, kFoundSigma_m, kFoundSigma_rad, std::max(h.weight, kLeastShare * equal)});
-  if (placed && filter.odometry()) {
+  if (d.placed && filter.odometry()) {
     for (const Mode& mode : modes_at(now.odometry)) {
       const auto again = [&](const Hypothesis& h) { return same_place(mode.pose, h.pose); };
       if (std::any_of(found.begin(), found.end(), again)) continue;
       guesses.push_back({mode.pose, kModeSigma_m, kModeSigma_rad, kLeastShare * mode.weight});
-      settled = false;
+      d.settled = false;
     }
   }
   filter.relocate(guesses, now.odometry);
-  was_settled = false;
-  monitor.reset(kFoundLogOdds);
-  tracked.reset();
-  rivals.clear();
-  placed = true;
-  lost = false;
+  d.was_settled = false;
+  d.monitor.reset(kFoundLogOdds);
+  d.tracked.reset();
+  d.rivals.clear();
+  d.placed = true;
+  d.lost = false;
 }
 
 /// Whether another place explains the scan of the search, too. If so, it gets its share of the particles; if
-/// not, and the filter has made up its mind, that is settled.
+/// not, and the filter has made up its mind, that is d.settled.
 void Localizer::State::look_for_others(const std::vector<Hypothesis>& found, const Now& now) {
   const std::vector<Mode> modes = modes_at(now.odometry);
   std::vector<PoseGuess> others;
@@ -221,75 +204,41 @@ void Localizer::State::look_for_others(const std::vector<Hypothesis>& found, con
     elsewhere += h.weight;
   }
   if (others.empty()) {
-    settled = !found.empty() && !modes.empty() && modes[0].weight >= 1.0 - kNoMatter;
+    d.settled = !found.empty() && !modes.empty() && modes[0].weight >= 1.0 - kNoMatter;
     return;
   }
   for (const Mode& mode : modes)
     others.push_back({mode.pose, kModeSigma_m, kModeSigma_rad, (1.0 - elsewhere) * mode.weight + 1e-6});
   filter.relocate(others, now.odometry);
-  tracked.reset();
+  d.tracked.reset();
 }
 
 /// A slice of the search that is under way, if there is one, and what follows from what it has found.
 void Localizer::State::go_on_searching(const Now& now, LocalizerEstimate& out) {
   if (!search || !search->under_way()) return;
-  if (!search->advance(placed ? kSlice : kAllWork)) return;
+  if (!search->advance(d.placed ? kSlice : kAllWork)) return;
   std::vector<Hypothesis> found = found_now(now, out);
-  if (!placed) {
+  if (!d.placed) {
     if (!found.empty()) put_at(std::move(found), now);
-  } else if (!lost) {
-    if (!settled) look_for_others(found, now);
+  } else if (!d.lost) {
+    if (!d.settled) look_for_others(found, now);
   } else {
-    rivals.clear();
     const auto here = [&](const Hypothesis& h) {
-      return tracked && same_place(h.pose, compose(*tracked, relative(now.odometry, *filter.odometry())));
+      return d.tracked && same_place(h.pose, compose(*d.tracked, relative(now.odometry, *filter.odometry())));
     };
-    if (!found.empty() && found[0].evidence >= kFits && here(found[0])) return monitor.accept();
-    for (const Hypothesis& h : found)
-      if (h.weight >= kNoMatter && h.evidence >= kFits) rivals.push_back({h.pose});
-    rivals_odometry = rivals_found = now.odometry;
-    rival_scans = 0;
+    if (!found.empty() && found[0].evidence >= kFits && here(found[0])) return d.monitor.accept();
+    d.rivals.begin(found, search->result().candidates, now.odometry);
   }
 }
 
-/// To have been carried away has a price: it is rare, and of many places one will always look well. The scans
-/// since must pay it, those that found the place and at least kOwnScans more.
+/// Whether the scans since pay for another place.
 void Localizer::State::weigh_rivals(const Now& now) {
-  if (rivals.empty()) return;
-  if (!lost || distance_m(rivals_found, now.odometry) > kUndecided_m) return rivals.clear();
-  const Pose moved = relative(now.odometry, rivals_odometry);
-  rivals_odometry = now.odometry;
-  for (Rival& rival : rivals) rival.pose = compose(rival.pose, moved);
-  if (!judge.remember(now.odometry, now.beams)) return;
-  ++rival_scans;
-  std::vector<Mode> modes = modes_at(now.odometry);
-  std::vector<Pose> places;
-  for (Rival& rival : rivals) {
-    if (const auto better = near_by().look(now.beams, rival.pose, {0.2, 0.1})) rival.pose = better->pose;
-    places.push_back(rival.pose);
-  }
-  for (const Mode& mode : modes) places.push_back(mode.pose);
-  const std::vector<PlaceEvidence::Verdict> verdicts = judge.judge(places, now.odometry, now.beams);
-  double here = -std::numeric_limits<double>::infinity();
-  for (std::size_t k = rivals.size(); k < places.size(); ++k) here = std::max(here, verdicts[k].evidence);
-  const double price = portable_log64(3600.0 / (config.localize.carried_per_hour * kLookBack_s)) +
-                       portable_log64(1.0 + static_cast<double>(candidates));
-  std::vector<Hypothesis> paid;
-  double best = 0.0;
-  for (std::size_t k = 0; k < rivals.size(); ++k) {
-    rivals[k].log_odds = judge.worth() * (verdicts[k].evidence - here);
-    best = std::max(best, verdicts[k].share);
-  }
-  for (std::size_t k = 0; k < rivals.size(); ++k) {
-    if (rivals[k].log_odds < price || verdicts[k].evidence < kFits || verdicts[k].share < kNoMatter * best)
-      continue;
-    Hypothesis h;
-    h.pose = rivals[k].pose, h.evidence = verdicts[k].evidence, h.weight = verdicts[k].share;
-    paid.push_back(h);
-  }
-  std::stable_sort(paid.begin(), paid.end(),
-                   [](const Hypothesis& a, const Hypothesis& b) { return a.weight > b.weight; });
-  if (rival_scans >= kOwnScans && !paid.empty()) put_at(std::move(paid), now);
+  if (d.rivals.empty()) return;
+  d.rivals.follow(now.odometry);
+  if (d.rivals.empty() || !judge.remember(now.odometry, now.beams)) return;
+  std::vector<Hypothesis> paid =
+      d.rivals.weigh(modes_at(now.odometry), now.beams, judge, near_by(), config.localize.carried_per_hour);
+  if (!paid.empty()) put_at(std::move(paid), now);
 }
 
 /// Of several places, those that the walls speak against lose their particles, before the scan is weighed:
@@ -308,12 +257,12 @@ void Localizer::State::drop_refuted(const Now& now) {
       left.push_back({modes[k].pose, kModeSigma_m, kModeSigma_rad, modes[k].weight});
   if (left.size() == modes.size()) return;
   filter.relocate(left, now.odometry);
-  tracked.reset();
+  d.tracked.reset();
 }
 
-/// Whether the scan speaks for the place where it was before it was lost.
+/// Whether the scan speaks for the place where it was before it was d.lost.
 bool Localizer::State::fits_again(const Now& now) {
-  if (!was_settled || !filter.odometry()) return false;
+  if (!d.was_settled || !filter.odometry()) return false;
   const std::vector<Mode> modes = modes_at(now.odometry);
   return !modes.empty() && judge.evidence(now.beams, modes[0].pose) >= kFits;
 }
@@ -321,52 +270,52 @@ bool Localizer::State::fits_again(const Now& now) {
 /// If the scan fits the prediction badly, the wheels may have slipped: what explains it near by is proposed
 /// to the filter, whose weights then decide.
 void Localizer::State::look_for_slips(const Now& now) {
-  if (!config.localize.slips || !tracked || !filter.odometry() || now.beams.hits == 0) return;
+  if (!config.localize.slips || !d.tracked || !filter.odometry() || now.beams.hits == 0) return;
   const Pose motion = relative(now.odometry, *filter.odometry());
-  const Pose expected = compose(*tracked, motion);
+  const Pose expected = compose(*d.tracked, motion);
   const double worth = config.search.effective_beams;
   const double odds = std::clamp(now.elapsed_s * kSlipsPer_s, kLeastSlipOdds, kMostSlipOdds);
   const double here = judge.evidence(now.beams, expected);
-  if (worth * (monitor.typical() - here) < -portable_log64(odds)) return;
-  const double sigma_m = kSlipSigma_m + kSlipGrowth_m * since_well_m;
-  const double sigma_rad = kSlipSigma_rad + kSlipGrowth_rad * since_well_m;
+  if (worth * (d.monitor.typical() - here) < -portable_log64(odds)) return;
+  const double sigma_m = kSlipSigma_m + kSlipGrowth_m * d.since_well_m;
+  const double sigma_rad = kSlipSigma_rad + kSlipGrowth_rad * d.since_well_m;
   const auto found = near_by().look(now.beams, expected, {kReachSigmas * sigma_m, kReachSigmas * sigma_rad});
   if (!found || worth * (found->evidence - here) < -portable_log64(odds)) return;
   const Pose back = inverse(motion);
   filter.propose({compose(found->pose, back), kModeSigma_m, kModeSigma_rad}, kSlipShare,
-                 {*tracked, sigma_m, sigma_rad, odds});
+                 {*d.tracked, sigma_m, sigma_rad, odds});
 }
 
 /// Before a scan is weighed: whether there are other places where the robot may be.
 void Localizer::State::settle(const Now& now, LocalizerEstimate& out) {
-  since_search_s += now.elapsed_s;
+  d.since_search_s += now.elapsed_s;
   const bool under_way = search && search->under_way();
-  if (!under_way && search_is_due(now.odometry) && !(lost && fits_again(now))) start_search(now);
+  if (!under_way && search_is_due(now.odometry) && !(d.lost && fits_again(now))) start_search(now);
   go_on_searching(now, out);
   weigh_rivals(now);
-  if (!settled && !lost && config.localize.recover && filter.odometry()) drop_refuted(now);
+  if (!d.settled && !d.lost && config.localize.recover && filter.odometry()) drop_refuted(now);
 }
 
 /// Health of the estimate, after a scan was weighed.
 void Localizer::State::watch(const Now& now, LocalizerEstimate& out) {
   const PoseEstimate& heaviest = out.filter.cluster;
   const BeamTable& beams = filter.last_beams();
-  const double novel = novelty.add(now.odometry, now.elapsed_s, beams);
+  const double novel = d.novelty.add(now.odometry, now.elapsed_s, beams);
   const double evidence = judge.evidence(beams, heaviest.mean);
-  last = monitor.update({evidence, heaviest.weight, novel});
-  const double moved_m = tracked ? distance_m(*tracked, heaviest.mean) : 0.0;
-  tracked = heaviest.mean;
-  since_well_m = evidence >= kFits ? 0.0 : since_well_m + moved_m;
-  const bool was_lost = lost;
-  lost = last.state == HealthState::lost;
-  if (lost && settled) settled = false, was_settled = true;
-  if (!lost && was_settled) settled = true, was_settled = false;  // some bad scans, and it fits again
-  if (!lost) rivals.clear();
-  if (settled || (lost && !was_lost)) judge.forget();  // it may have been put somewhere else
-  if (!settled && rivals.empty()) judge.remember(now.odometry, beams);
-  if (settled || !config.localize.recover) return;
-  last.probability *= kUnsettled;
-  if (last.state == HealthState::tracking) last.state = HealthState::ambiguous;
+  d.last = d.monitor.update({evidence, heaviest.weight, novel});
+  const double moved_m = d.tracked ? distance_m(*d.tracked, heaviest.mean) : 0.0;
+  d.tracked = heaviest.mean;
+  d.since_well_m = evidence >= kFits ? 0.0 : d.since_well_m + moved_m;
+  const bool was_lost = d.lost;
+  d.lost = d.last.state == HealthState::lost;
+  if (d.lost && d.settled) d.settled = false, d.was_settled = true;
+  if (!d.lost && d.was_settled) d.settled = true, d.was_settled = false;  // some bad scans, and it fits again
+  if (!d.lost) d.rivals.clear();
+  if (d.settled || (d.lost && !was_lost)) judge.forget();  // it may have been put somewhere else
+  if (!d.settled && d.rivals.empty()) judge.remember(now.odometry, beams);
+  if (d.settled || !config.localize.recover) return;
+  d.last.probability *= kUnsettled;
+  if (d.last.state == HealthState::tracking) d.last.state = HealthState::ambiguous;
 }
 
 Localizer::Localizer(const LocalizerConfig& config, const GridMap& map)
@@ -409,13 +358,13 @@ LocalizerEstimate Localizer::step(const Pose& recorded, const Scan& scan) {
     const BeamTable beams = s.filter.beams(scan);
     const Now now{reading->pose, reading->elapsed_s, beams};
     s.settle(now, out);
-    if (!s.lost || s.placed) s.look_for_slips(now);
+    if (!s.d.lost || s.d.placed) s.look_for_slips(now);
     out.filter = s.filter.step(recorded, scan);
     if (out.filter.weighted) s.watch(now, out);
   } else {
     out.filter = s.filter.step(recorded, scan);  // nothing moves, nothing is learnt
   }
-  out.health = s.last;
+  out.health = s.d.last;
   if (out.health.state == HealthState::ambiguous) out.modes = find_modes(s.filter.particles(), kLeastMode);
   return out;
 }
@@ -424,7 +373,7 @@ const ParticleFilter& Localizer::filter() const {
   return state_->filter;
 }
 std::size_t Localizer::searches() const {
-  return state_->searches;
+  return state_->d.searches;
 }
 
 }  // namespace parloc

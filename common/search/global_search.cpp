@@ -181,6 +181,10 @@ bool GlobalSearch::under_way() const {
   return state_->stage != State::Stage::idle && state_->stage != State::Stage::done;
 }
 
+void GlobalSearch::forget() {
+  cancel();
+  state_->judge.forget();
+}
 void GlobalSearch::cancel() {
   if (under_way()) state_->stage = State::Stage::idle;
 }

@@ -88,6 +88,8 @@ class GlobalSearch {
   bool under_way() const;
   /// Gives it up.
   void cancel();
+  /// And forgets what was learnt of LiDARs: the next search takes as much work as if it were the first.
+  void forget();
   /// Of the last search that was finished since `begin`. Throws Error{internal} if there is none.
   SearchResult result() const;
   /// All of the work that has been done since `begin`.

@@ -16,7 +16,7 @@ void JudgePlaces::begin(const BeamTable& beams, const std::vector<LatticePose>& 
   beams_ = &beams;
   places_ = &places;
   headings_ = headings;
-  learnt_ = places.empty();
+  to_learn_ = places.empty() ? 0 : evidence_.learn(beams.range_max_m, 0);
   judged_.clear();
   order_.clear();
   kept_.clear();
@@ -35,11 +35,12 @@ std::int64_t JudgePlaces::advance(std::int64_t work) {
 }
 
 std::int64_t JudgePlaces::step(std::int64_t work) {
-  if (!learnt_) {
+  if (to_learn_ > 0) {
+    const std::size_t before = to_learn_;
     const std::int64_t places =
         std::clamp<std::int64_t>(work / search_work::kChancePlace, 1, ScanEvidence::kPlaces);
-    learnt_ = evidence_.learn(beams_->range_max_m, static_cast<std::size_t>(places));
-    return learnt_ ? 0 : places * search_work::kChancePlace;
+    to_learn_ = evidence_.learn(beams_->range_max_m, static_cast<std::size_t>(places));
+    return static_cast<std::int64_t>(before - to_learn_) * search_work::kChancePlace;
   }
   return judged_.size() < places_->size() ? judge_next() : rank_next();
 }

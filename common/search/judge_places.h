@@ -27,6 +27,7 @@ class JudgePlaces {
   /// Does about so much work [search_work.h], but something; returns how much it was.
   std::int64_t advance(std::int64_t work);
   bool done() const;
+  void forget() { evidence_.forget(); }
   /// Fills in what has to do with hypotheses; once done.
   void report(SearchResult& result) const;
 
@@ -42,7 +43,7 @@ class JudgePlaces {
   const BeamTable* beams_ = nullptr;
   const std::vector<LatticePose>* places_ = nullptr;
   std::int32_t headings_ = 0;
-  bool learnt_ = false;
+  std::size_t to_learn_ = 0;          // random places
   std::vector<Hypothesis> judged_;    // by place
   std::vector<std::uint32_t> order_;  // of the judged, the most likely first
   std::size_t ranked_ = 0;            // of those

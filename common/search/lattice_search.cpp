@@ -25,7 +25,13 @@ std::int64_t LatticeSearch::slots_work() const {
 }
 
 std::int64_t LatticeSearch::sweep_work() const {
-  return static_cast<std::int64_t>(strips_of_row()) * task_.beams;
+  const bool narrow = task_.block_end_i - task_.block_i <= kBlockCells;
+  const std::int64_t strip = narrow ? search_work::kNarrowBeam : search_work::kStripBeam;
+  return static_cast<std::int64_t>(strips_of_row()) * strip * (task_.beams + search_work::kOtherBeams);
+}
+
+std::int64_t LatticeSearch::block_work() const {
+  return search_work::kBlockBeam * (task_.beams + search_work::kOtherBeams);
 }
 
 std::int64_t LatticeSearch::advance(std::int64_t work) {

@@ -29,7 +29,7 @@ class LatticeSearch {
   std::size_t headings() const { return static_cast<std::size_t>(task_.heading_count); }
   std::int64_t slots_work() const;
   std::int64_t sweep_work() const;
-  std::int64_t block_work() const { return search_work::kBlockBeam * task_.beams; }
+  std::int64_t block_work() const;
 
   void enter(Stage stage, std::size_t first = 0) { stage_ = stage, at_ = first; }
   std::int64_t step(std::int64_t work);

@@ -15,18 +15,22 @@ constexpr float kTolerance_m = 0.15f, kToleranceShare = 0.02f;
 /// wall.
 constexpr double kOnWall = 0.5 * kMostValue;
 
+/// Floor of a number of few digits, without a call.
+std::int32_t cell_of(double x) {
+  const auto cut = static_cast<std::int32_t>(x);
+  return x < cut ? cut - 1 : cut;
+}
+
 /// Between four cell centres; u and v in cells.
 double bilinear(const SearchGrid& grid, double u, double v) {
-  const double fu = std::floor(u - 0.5), fv = std::floor(v - 0.5);
-  if (!(fu >= -1.0 && fv >= -1.0 && fu < grid.width && fv < grid.height)) return 0.0;
-  const auto i = static_cast<std::int32_t>(fu), j = static_cast<std::int32_t>(fv);
-  const double a = u - 0.5 - fu, b = v - 0.5 - fv;
-  const auto at = [&](std::int32_t x, std::int32_t y) {
-    return static_cast<double>(cell_value(grid, x, y, {0, 0}));
-  };
-  const double low = at(i, j) + a * (at(i + 1, j) - at(i, j));
-  const double high = at(i, j + 1) + a * (at(i + 1, j + 1) - at(i, j + 1));
-  return low + b * (high - low);
+  if (!(u - 0.5 >= -1.0 && v - 0.5 >= -1.0 && u - 0.5 < grid.width && v - 0.5 < grid.height)) return 0.0;
+  const std::int32_t i = cell_of(u - 0.5), j = cell_of(v - 0.5);
+  const double a = u - 0.5 - i, b = v - 0.5 - j;
+  const std::uint8_t* low = grid.cells.first + std::int64_t{j} * grid.cells.stride + i;  // zeros all around
+  const std::uint8_t* high = low + grid.cells.stride;
+  const double at_low = low[0] + a * (low[1] - low[0]);
+  const double at_high = high[0] + a * (high[1] - high[0]);
+  return at_low + b * (at_high - at_low);
 }
 
 }  // namespace

@@ -29,7 +29,8 @@ class PoseEvidence {
   /// `tried` grows by the number of poses that were looked at.
   double refine(const BeamTable& beams, double heading_step_rad, Pose& pose, std::int64_t& tried) const;
   /// As ScanEvidence::learn, for the LiDARs of `judge`.
-  bool learn(float range_max_m, std::size_t places) { return evidence_.learn(range_max_m, places); }
+  std::size_t learn(float range_max_m, std::size_t places) { return evidence_.learn(range_max_m, places); }
+  void forget() { evidence_.forget(); }
   PoseVerdict judge(const BeamTable& beams, const Pose& pose);
 
  private:

@@ -87,16 +87,16 @@ const ScanEvidence::Chance* ScanEvidence::known(float range_max_m) const {
   return nullptr;
 }
 
-bool ScanEvidence::learn(float range_max_m, std::size_t places) {
-  if (known(range_max_m) != nullptr) return true;
+std::size_t ScanEvidence::learn(float range_max_m, std::size_t places) {
+  if (known(range_max_m) != nullptr) return 0;
   if (learning_.hit.empty() || !same_reach(learning_.range_max_m, range_max_m))
     learning_ = {range_max_m, std::vector<double>(kBins, 0.0), 0.0, 0};
   for (; places > 0 && learning_.places < anywhere_x_m_.size(); --places) add_place(learning_.places++);
-  if (learning_.places < anywhere_x_m_.size()) return false;
+  if (learning_.places < anywhere_x_m_.size()) return anywhere_x_m_.size() - learning_.places;
   if (chances_.size() == kMostChances) chances_.erase(chances_.begin());
   chances_.push_back(learnt_chance());
   learning_ = {};
-  return true;
+  return 0;
 }
 
 double ScanEvidence::per_beam(const BeamTable& beams, const Pose& pose_in_grid) {

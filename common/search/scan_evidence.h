@@ -5,10 +5,10 @@
 #include <cstdint>
 #include <vector>
 
-#include "common/filter/pose_rays.h"
 #include "common/map/grid_map.h"
 #include "common/math/pose.h"
 #include "common/model/beams.h"
+#include "common/search/pose_rays.h"
 
 namespace parloc {
 
@@ -26,8 +26,11 @@ class ScanEvidence {
   /// first call takes milliseconds. Deterministic on every machine.
   double per_beam(const BeamTable& beams, const Pose& pose_in_grid);
   /// Becomes ready for LiDARs that reach so far [m], by at most so many of the random places that are gone
-  /// through for it; true when all have been. What it learns is the same however it is sliced.
-  bool learn(float range_max_m, std::size_t places);
+  /// through for it. Returns how many are left: 0 when it is ready. What it learns is the same however it is
+  /// sliced.
+  std::size_t learn(float range_max_m, std::size_t places);
+  /// What was learnt of LiDARs.
+  void forget() { chances_.clear(), learning_ = {}; }
   /// Expected ranges of that call, by beam [m].
   const std::vector<float>& expected_m() const { return expected_m_; }
 

@@ -37,8 +37,11 @@ std::int32_t headings_for(const SearchScan& scan, double cell_m, const SearchCon
   return kDiveStep * std::min(static_cast<std::int32_t>(rounds), config.max_headings / kDiveStep);
 }
 
+/// To the nearest cell: a floor that is no call.
 std::int32_t offset_of(double distance_cells) {
-  return static_cast<std::int32_t>(std::floor(0.5 + std::clamp(distance_cells, -kFarthest, kFarthest)));
+  const double moved = 0.5 + std::clamp(distance_cells, -kFarthest, kFarthest);
+  const auto cut = static_cast<std::int32_t>(moved);
+  return moved < cut ? cut - 1 : cut;
 }
 
 }  // namespace

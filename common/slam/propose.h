@@ -35,11 +35,12 @@ class Proposer {
     least_score_ = r.min_score * static_cast<float>(r.beams);
     log_weight_ = 0.0f;
     if (r.proposal == SlamProposal::gaussian) {
-      const MotionNoise u = motion_noise(r.motion);
+      MotionNoise u = motion_noise(r.motion);
+      u.spread_xy = u.spread_theta = 0.0;  // added below
       predicted_ = moved(vector_of(pose), u);
       motion_ = motion_covariance(vector_of(pose), u);
       for (int i = 0; i < 3; ++i) {
-        const double floor = i < 2 ? r.floor_xy : r.floor_theta;
+        const double floor = i < 2 ? r.motion.spread_xy : r.motion.spread_theta;
         motion_(i, i) += floor * floor;
       }
       pose_ = pose_of(predicted_);

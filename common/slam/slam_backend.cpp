@@ -1,5 +1,7 @@
 #include "common/slam/slam_backend.h"
 
+#include <algorithm>
+
 namespace parloc {
 
 static_assert(kMostSlamBeams <= kMostDrawnBeams);
@@ -34,7 +36,8 @@ DrawRules bind_draw_rules(const SlamConfig& c) {
 }
 
 void bind_scan(ProposeRules& rules, const BeamTable& scan, bool empty) {
-  rules.motion.spread_xy = rules.floor_xy, rules.motion.spread_theta = rules.floor_theta;
+  rules.motion.spread_xy = std::max(rules.floor_xy, rules.motion.spread_xy);
+  rules.motion.spread_theta = std::max(rules.floor_theta, rules.motion.spread_theta);
   rules.beams = empty ? 0 : count_matched(scan.range_m.data(), scan.hits, rules.match);
 }
 

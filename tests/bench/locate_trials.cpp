@@ -4,7 +4,10 @@
 //                 [--noise 0.01] [--seed 1] [--clear 0.3] [--out result.json]
 //   locate_trials --map M.yaml --log L --truth T.tum [--range 80] [--trials 200]
 // Settings of the search: --sigma, --search-beams, --heading-cells, --least-share, --candidates, --top,
-// --effective, --ambiguous, --threads, --scan-beams.
+// --effective, --ambiguous, --threads, --scan-beams. --slice 2e6: in slices of so much work, with their
+// times;
+// --near-m 1 --near-deg 40: within that of the truth. --wall 0.6 or --wall 20: instead of what is seen there
+// a flat wall so far away, or one that five beams see.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -20,6 +23,7 @@
 #include "common/map/map_reader.h"
 #include "common/math/philox.h"
 #include "common/math/portable64.h"
+#include "common/model/beams.h"
 #include "common/search/global_search.h"
 #include "common/search/search_map.h"
 #include "common/simulator/simulator.h"
@@ -133,6 +137,21 @@ std::vector<Trial> logged(const Options& o) {
   return out;
 }
 
+/// What fits nearly everywhere takes longest: a wall at `ahead_m`, seen by 180 beams if it is near and by 5
+/// if not.
+Scan flat_wall(double ahead_m, double range_m) {
+  Scan scan;
+  const int beams = ahead_m < 5.0 ? 180 : 5;
+  scan.angle_min_rad = -0.5;
+  scan.angle_step_rad = 1.0 / beams;
+  scan.range_min_m = 0.1;
+  scan.range_max_m = std::max(range_m, 2.0 * ahead_m);
+  for (int b = 0; b < beams; ++b)
+    scan.ranges_m.push_back(
+        static_cast<float>(ahead_m / std::cos(scan.angle_min_rad + scan.angle_step_rad * b)));
+  return scan;
+}
+
 bool right(const Pose& a, const Pose& truth) {
   return std::hypot(a.x_m - truth.x_m, a.y_m - truth.y_m) <= 0.5 &&
          std::fabs(wrap64(a.theta_rad - truth.theta_rad)) <= 10.0 * kPi / 180.0;
@@ -142,6 +161,7 @@ struct Tally {
   int trials = 0, right = 0, among = 0, ambiguous = 0, none = 0, sure_and_wrong = 0, sure_and_right = 0;
   int covered = 0;                           // right, or ambiguous with the truth among the hypotheses
   std::vector<double> seconds, cpu_seconds;  // wall clock; all threads together
+  std::vector<double> slices, slice_ms;      // by search; of every slice, all threads together
   static double at(std::vector<double> times, double share) {
     std::sort(times.begin(), times.end());
     const auto n = static_cast<std::size_t>(share * static_cast<double>(times.size()));
@@ -155,8 +175,14 @@ void report(const Options& o, Tally& t, double built_s, const GlobalSearch& sear
              built_s);
   fmt::print("seconds: median {:.4f}, 95 % {:.4f}, most {:.4f}\n", t.at(t.seconds, 0.5),
              t.at(t.seconds, 0.95), t.at(t.seconds, 1.0));
-  fmt::print("CPU seconds, all threads: median {:.4f}, 95 % {:.4f}, most {:.4f}\n", t.at(t.cpu_seconds, 0.5),
+  fmt::print("CPU seconds, all threads: median {:.5f}, 95 % {:.5f}, most {:.5f}\n", t.at(t.cpu_seconds, 0.5),
              t.at(t.cpu_seconds, 0.95), t.at(t.cpu_seconds, 1.0));
+  if (!t.slices.empty())
+    fmt::print(
+        "slices: median {:.0f}, most {:.0f} in a search; CPU ms each: median {:.2f}, 99 % {:.2f}, most "
+        "{:.2f}\n",
+        t.at(t.slices, 0.5), t.at(t.slices, 1.0), t.at(t.slice_ms, 0.5), t.at(t.slice_ms, 0.99),
+        t.at(t.slice_ms, 1.0));
   fmt::print(
       "right {:.1f} %, truth among them {:.1f} %, ambiguous {:.1f} %, sure and right {:.1f} %, sure and "
       "wrong "
@@ -194,6 +220,33 @@ SearchConfig config_of(const Options& o) {
   return c;
 }
 
+double cpu_seconds() {
+  return static_cast<double>(std::clock()) / CLOCKS_PER_SEC;
+}
+
+SearchPrior near_truth(const Options& o, const Pose& truth) {
+  SearchPrior prior;
+  const double radius_m = o.number("--near-m", 0.0), tolerance_deg = o.number("--near-deg", 0.0);
+  if (radius_m > 0.0) prior.region = {{truth.x_m, truth.y_m, radius_m}};
+  if (tolerance_deg > 0.0) prior.heading = {{truth.theta_rad, tolerance_deg * kPi / 180.0}};
+  return prior;
+}
+
+SearchResult search_one(const Options& o, GlobalSearch& search, const BeamTable& beams,
+                        const SearchPrior& prior, Tally& tally) {
+  const auto work = static_cast<std::int64_t>(o.number("--slice", 0.0));
+  if (work <= 0) return search.search(beams, prior);
+  search.begin(beams, prior);
+  double slices = 0.0;
+  for (bool done = false; !done; ++slices) {
+    const double start_s = cpu_seconds();
+    done = search.advance(work);
+    tally.slice_ms.push_back(1e3 * (cpu_seconds() - start_s));
+  }
+  tally.slices.push_back(slices);
+  return search.result();
+}
+
 int run(const Options& o) {
   const GridMap map = read_map(o.text("--map"));
   std::vector<Trial> trials;
@@ -206,14 +259,19 @@ int run(const Options& o) {
   const double built_s = seconds_since(begun);
   ScanConfig scan_config;
   scan_config.max_beams = static_cast<int>(o.number("--scan-beams", 180));
+  if (const double ahead_m = o.number("--wall", 0.0); ahead_m > 0.0)
+    for (Trial& t : trials) t.scan = flat_wall(ahead_m, o.number("--range", 8.0));
+  BeamTable beams;
+  BeamCounts counts;
   Tally tally;
   const bool verbose = !o.text("--verbose").empty();
   for (const Trial& t : trials) {
-    const std::clock_t cpu_start = std::clock();
+    const double cpu_start_s = cpu_seconds();
     const Clock::time_point start = Clock::now();
-    const SearchResult r = search.search(t.scan, scan_config);
+    select_beams(t.scan, scan_config, default_sensor(SensorModel::beam), map.resolution_m, beams, counts);
+    const SearchResult r = search_one(o, search, beams, near_truth(o, t.truth), tally);
     tally.seconds.push_back(seconds_since(start));
-    tally.cpu_seconds.push_back(static_cast<double>(std::clock() - cpu_start) / CLOCKS_PER_SEC);
+    tally.cpu_seconds.push_back(cpu_seconds() - cpu_start_s);
     ++tally.trials;
     const bool first = !r.hypotheses.empty() && right(r.hypotheses[0].pose, t.truth);
     const bool among = std::any_of(r.hypotheses.begin(), r.hypotheses.end(),

@@ -70,7 +70,7 @@ Config fixed_config(SensorModel model) {
                                                          : ResampleScheme::stratified,
                 .threshold = 0.5};
   c.estimate = {.mode = EstimateMode::cluster};
-  c.localize = {.health = true, .recover = false};  // judged, which must not change a bit; never searched
+  c.localize = {.health = true, .slips = false, .recover = false};  // judged, which must not change a bit
   return c;
 }
 

@@ -14,6 +14,7 @@ class RunGlobal : public ProgramSuite {
   static void SetUpTestSuite() {
     open("parloc_run_global_test");
     write("bare.yaml", "localize:\n  health: false\n");
+    write("no_slips.yaml", "localize:\n  slips: false\n");
     write("watch.yaml", "localize:\n  recover: false\n");
     const GridMap room = bare_room();
     write_map(path("room.yaml"), room);
@@ -59,7 +60,7 @@ TEST_F(RunGlobal, FindsTheStartOfARealLog) {
 
 TEST_F(RunGlobal, AKnownStartIsNotSearchedAndTheBareFilterSaysTheSame) {
   const Args start{"--init", "3.453,-10.171,-0.485", "--quiet"};
-  done(corridor(start));
+  done(corridor(with(start, {"--config", path("no_slips.yaml")})));
   const Json judged = metrics();
   EXPECT_EQ(judged.at("health").at("searches"), 0);
   EXPECT_EQ(judged.at("health").at("share_tracking"), 1.0);

@@ -247,12 +247,12 @@ TEST(CompareConfigs, MotionNoiseIsThatOfTheWheels) {
   for (const auto& [name, kappa_m] :
        {std::pair{"1e-6", 1e-6}, {"1e-4", 1e-4}, {"5e-4", 5e-4}, {"5e-3", 5e-3}}) {
     const Config c = read_entries("ekf=" + kRoot + "configs/compare/kappa_" + name + ".yaml", {})[0].config;
-    const MotionStep drive = motion_step({0.0, step_m, 0.0}, c.motion);
+    const MotionStep drive = motion_step(OdometryIncrement{0.0, step_m, 0.0}, c.motion);
     const double heading_rad = std::hypot(drive.sigma_rot1, drive.sigma_rot2);
     EXPECT_NEAR(heading_rad / (std::sqrt(2.0 * kappa_m * step_m) / base_m), 1.0,
                 1e-3);  // files have 4 digits
     EXPECT_NEAR(static_cast<double>(drive.sigma_trans) / std::sqrt(kappa_m * step_m / 2.0), 1.0, 1e-3);
-    const MotionStep turn = motion_step({0.0, 0.0, turn_rad}, c.motion);
+    const MotionStep turn = motion_step(OdometryIncrement{0.0, 0.0, turn_rad}, c.motion);
     const double arc_m = base_m * turn_rad / 2.0;
     EXPECT_NEAR(static_cast<double>(turn.sigma_rot2) / (std::sqrt(2.0 * kappa_m * arc_m) / base_m), 1.0,
                 1e-3);

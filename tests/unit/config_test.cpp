@@ -55,7 +55,7 @@ TEST(Config, EachMistakeHasOneClearLine) {
       {"particles: [1, 2]\n", "c.yaml:1: particles: expected a whole number, got a list"},
       {"particles:\n  seed: 1\n", "c.yaml:2: particles: expected a whole number, got a group"},
       {"motion:\n  symmetric: yes\n", "c.yaml:2: motion.symmetric: expected true or false, got 'yes'"},
-      {"motion:\n  form: gauss\n", "c.yaml:2: motion.form: expected seed or thrun, got 'gauss'"},
+      {"motion:\n  form: gauss\n", "c.yaml:2: motion.form: expected seed, thrun or omni, got 'gauss'"},
       {"sensor:\n  caster: DDA\n", "c.yaml:2: sensor.caster: expected skip, dda or fixed_step, got 'DDA'"},
       {"motion: 3\n", "c.yaml:1: motion: expected lines of 'key: value', got '3'"},
       {"- particles\n", "c.yaml:1: expected lines of 'key: value', got a list"},
@@ -73,8 +73,8 @@ TEST(Config, EachMistakeHasOneClearLine) {
        "c.yaml:2: scan.laser_max_range must be above 0 and at most 1000, got 1e999"},
       // Rules between settings.
       {"motion:\n  alpha1: 0.2\n",
-       "c.yaml:2: motion.alpha1 needs motion.form beside it: seed (sigma linear in the motion) or thrun "
-       "(variance quadratic, as AMCL)"},
+       "c.yaml:2: motion.alpha1 needs motion.form beside it: seed (sigma linear in the motion), thrun "
+       "(variance quadratic, as AMCL) or omni (likewise, and sideways)"},
       {"seed: 2\nsensor:\n  z_hit: 0.5\n",
        "c.yaml:3: sensor.z_hit + z_short + z_max + z_rand must be 1, got 0.6 (0.5 + 0 + 0 + 0.1)"},
       {"scan:\n  min_beams: 200\n", "c.yaml:2: scan.min_beams (200) must not exceed scan.max_beams (100)"},

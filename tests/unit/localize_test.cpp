@@ -3,6 +3,7 @@
 
 #include "common/config/config.h"
 #include "common/error.h"
+#include "common/localize/scan_novelty.h"
 #include "common/math/portable64.h"
 #include "common/search/scan_evidence.h"
 #include "tests/unit/localize_scenes.h"
@@ -79,45 +80,69 @@ TEST(ScanEvidence, AMapWithoutFreeCellsIsAnError) {
   EXPECT_THROW(ScanEvidence{full}, Error);
 }
 
+Health feed(HealthMonitor& monitor, double evidence, double share, int times, double novelty = 1.0) {
+  Health h;
+  for (int k = 0; k < times; ++k) h = monitor.update({evidence, share, novelty});
+  return h;
+}
+
 TEST(HealthMonitor, FollowsTheEvidenceAndDoesNotFlicker) {
   HealthMonitor monitor;
-  double t = 0.0;
-  const auto feed = [&](double evidence, double share, int times) {
-    Health h;
-    for (int k = 0; k < times; ++k) h = monitor.update(t += 0.2, evidence, share);
-    return h;
-  };
-  Health h = feed(1.5, 1.0, 1);
+  Health h = feed(monitor, 2.0, 1.0, 1);
   EXPECT_EQ(h.state, HealthState::tracking);  // the first scan counts in full
   EXPECT_GT(h.probability, 0.9);
-  h = feed(-0.5, 1.0, 10);
+  h = feed(monitor, -0.5, 1.0, 10);
   EXPECT_EQ(h.state, HealthState::lost);
   EXPECT_LT(h.probability, 0.1);
   EXPECT_NEAR(h.evidence, -0.5, 0.05);
-  h = feed(1.5, 0.5, 10);
+  h = feed(monitor, 2.0, 0.5, 10);
   EXPECT_EQ(h.state, HealthState::ambiguous);
   EXPECT_NEAR(h.probability, 0.5, 0.05);  // half of the weight is elsewhere
-  // Between the two thresholds a lost one stays lost, and a found one found.
-  double between = 0.0;
-  for (double e = 1.5; e > -1.0; e -= 0.01) {
-    HealthMonitor fresh;
-    const double p = fresh.update(0.0, e, 1.0).probability;
-    if (p > 0.3 && p < 0.45) between = e;
-  }
-  EXPECT_EQ(feed(between, 1.0, 20).state, HealthState::tracking);
-  feed(-1.0, 1.0, 20);
-  EXPECT_EQ(feed(between, 1.0, 20).state, HealthState::lost);
   monitor.reset();
-  EXPECT_EQ(feed(1.5, 1.0, 1).state, HealthState::tracking);
+  EXPECT_EQ(feed(monitor, 2.0, 1.0, 1).state, HealthState::tracking);
 }
 
-TEST(HealthMonitor, StampsMayRunBackwardsOrStandStill) {
+// A place that was right for long is not lost for a scan, nor for two; a new one is.
+TEST(HealthMonitor, OneBadScanIsNoReasonToDoubtAGoodPlace) {
   HealthMonitor monitor;
-  for (const double stamp_s : {5.0, 5.0, 3.0, 3.0, 9.0}) {
-    const Health h = monitor.update(stamp_s, 1.2, 1.0);
-    EXPECT_TRUE(std::isfinite(h.probability));
-    EXPECT_NEAR(h.evidence, 1.2, 1e-6);
-  }
+  feed(monitor, 2.0, 1.0, 50);
+  EXPECT_EQ(feed(monitor, -3.0, 1.0, 1).state, HealthState::tracking);
+  EXPECT_EQ(feed(monitor, -3.0, 1.0, 1).state, HealthState::tracking);
+  EXPECT_EQ(feed(monitor, -3.0, 1.0, 2).state, HealthState::lost);
+  HealthMonitor fresh;
+  EXPECT_EQ(feed(fresh, -3.0, 1.0, 1).state, HealthState::lost);
+}
+
+// As many scans as a LiDAR makes from one spot: what they say is one thing.
+TEST(HealthMonitor, CountsWhatIsNewAndNotHowOften) {
+  HealthMonitor slow, fast;
+  feed(slow, 2.0, 1.0, 5), feed(fast, 2.0, 1.0, 200, 5.0 / 200);
+  const Health one = feed(slow, 0.2, 1.0, 3), other = feed(fast, 0.2, 1.0, 120, 3.0 / 120);
+  EXPECT_NEAR(one.probability, other.probability, 1e-3);
+}
+
+// Among people, and nowhere else on the map fits it better.
+TEST(HealthMonitor, WhatIsAcceptedIsTypical) {
+  HealthMonitor monitor;
+  feed(monitor, 2.6, 1.0, 200);
+  EXPECT_EQ(feed(monitor, 1.2, 1.0, 20).state, HealthState::lost);
+  monitor.accept();
+  EXPECT_EQ(feed(monitor, 1.2, 1.0, 20).state, HealthState::tracking);
+  EXPECT_EQ(feed(monitor, 0.0, 1.0, 5).state, HealthState::lost);
+}
+
+TEST(ScanNovelty, IsOfMovingTurningAndTime) {
+  BeamTable beams;
+  beams.hits = beams.count = 2;
+  beams.range_m = {3.0f, 5.0f};  // a twentieth of 4 m is 0.2 m
+  ScanNovelty novelty;
+  EXPECT_EQ(novelty.add({}, 0.0, beams), 1.0);
+  EXPECT_NEAR(novelty.add({0.05, 0.0, 0.0}, 0.0, beams), 0.25, 1e-6);
+  EXPECT_NEAR(novelty.add({0.05, 0.0, 0.05}, 0.0, beams), 0.25, 1e-6);
+  EXPECT_NEAR(novelty.add({0.05, 0.0, 0.05}, 0.1, beams), 0.05, 1e-6);
+  EXPECT_EQ(novelty.add({5.0, 0.0, 0.0}, 0.1, beams), 1.0);
+  beams.hits = 0;
+  EXPECT_GT(novelty.add({5.05, 0.0, 0.0}, 0.0, beams), 0.0);
 }
 
 std::vector<Particle> cloud(const Pose& at, int count, float weight) {

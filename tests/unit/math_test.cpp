@@ -116,6 +116,51 @@ TEST(Motion, BackwardsIsNotATurn) {
   EXPECT_NEAR(motion_step(u, symmetric).sigma_rot1, 0.010, 1e-6);
 }
 
+// SPEC 1.7, F: alpha 0.2 (all five), normals (0.5, -1, 2).
+TEST(Motion, OmniSpecCheckF) {
+  const OdometryIncrement u = odometry_increment({1, 2, 0.5}, {1.3, 2.4, 0.9}, 1e-12);
+  const MotionConfig c{
+      .form = MotionForm::omni, .alpha1 = 0.2, .alpha2 = 0.2, .alpha3 = 0.2, .alpha4 = 0.2, .alpha5 = 0.2};
+  const MotionStep m = motion_step(u, c);
+  for (const float sigma : {m.sigma_trans, m.sigma_rot2, m.sigma_strafe})
+    EXPECT_NEAR(sigma, 0.286356421266, 1e-7);
+  float x = 5, y = -1, theta = -2;
+  predict_omni(x, y, theta, m, Normals{{0.5f, -1.0f, 2.0f}});
+  EXPECT_NEAR(x, 4.426060724379, 1e-6);
+  EXPECT_NEAR(y, -1.642084043200, 1e-6);
+  EXPECT_NEAR(theta, -1.886356421266, 1e-6);
+}
+
+// Standing still is uncertain, too: variances add up over the time, however it is cut.
+TEST(Motion, TimeAddsNoise) {
+  const MotionConfig c{.sigma_rot_per_s = 0.01, .sigma_trans_per_s = 0.02};
+  for (const double step_s : {0.025, 0.1, 1.0}) {
+    const MotionStep m = motion_step(Movement{{}, step_s}, c);
+    EXPECT_NEAR(m.sigma_rot2 * m.sigma_rot2 / step_s, 1e-4, 1e-9);
+    EXPECT_NEAR(m.sigma_trans * m.sigma_trans / step_s, 4e-4, 1e-9);
+  }
+  EXPECT_EQ(motion_step(Movement{{}, 0.0}, c).sigma_rot2, 0.0f);
+}
+
+TEST(Motion, AGuessIsAsUncertainAsItIsLong) {
+  const MotionStep slow = motion_step(Movement{{0.0, 0.1, 0.0}, 0.1, true}, {});
+  const MotionStep fast = motion_step(Movement{{0.0, 2.0, 0.0}, 0.1, true}, {});
+  EXPECT_GE(slow.spread_xy, 0.1f);
+  EXPECT_GT(fast.spread_xy, 0.9f);
+  EXPECT_EQ(motion_step(Movement{{0.0, 0.1, 0.0}, 0.1}, {}).spread_xy, 0.0f);
+}
+
+TEST(Motion, ItsShareOfTheParticlesSlips) {
+  const MotionConfig c{.slip_share = 0.02};
+  const MotionStep m = motion_step(OdometryIncrement{}, c);
+  for (const std::uint32_t step : {0u, 1u, 17u}) {
+    int slipped = 0;
+    for (std::uint32_t slot = 0; slot < 1000; ++slot) slipped += slips(m, slot, step) ? 1 : 0;
+    EXPECT_EQ(slipped, 20);
+  }
+  EXPECT_FALSE(slips(motion_step(OdometryIncrement{}, {}), 0, 0));
+}
+
 /// The example of SPEC 5.3: N = 8, S = 40, key (42, 0), step 0.
 class SpecResampling : public testing::Test {
  protected:

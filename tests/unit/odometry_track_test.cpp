@@ -93,7 +93,7 @@ TEST(OdometryTrack, KnowsNoMotionWithoutTwoReadings) {
 }
 
 TEST(OdometryTrack, SortsReadingsAndKeepsTheLastOfEqualStamps) {
-  OdometryTrack in_order(1.0), mixed(1.0);
+  OdometryTrack in_order(MotionConfig{}), mixed(MotionConfig{});
   const std::vector<double> stamps{1.0, 1.1, 1.2, 1.3};
   for (const double t : stamps) in_order.add(t, on_circle(t));
   mixed.add(1.1, {9, 9, 9});

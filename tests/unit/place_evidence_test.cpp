@@ -3,8 +3,8 @@
 
 #include <gtest/gtest.h>
 
-#include "common/filter/pose_rays.h"
 #include "common/io/log.h"
+#include "common/search/pose_rays.h"
 #include "tests/unit/localize_scenes.h"
 
 namespace parloc {

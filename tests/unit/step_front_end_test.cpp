@@ -122,14 +122,66 @@ INSTANTIATE_TEST_SUITE_P(All, StepFrontEnds,
                          [](const auto& one) { return one.param.name; });
 
 // Any front end alone.
-TEST(StepFrontEnd, JumpsAreCountedAndInflated) {
+// A glitch, a reset and a reading of any size are as if the robot had gone on as before.
+TEST_P(StepFrontEnds, AReadingThatNoRobotMakesDoesNoHarm) {
+  for (const double far_m : {10.0, 1e3, 1e6, 1e300}) {
+    std::vector<LogRecord> given = records();
+    given[9].odometry.x_m = given[19].odometry.y_m = far_m;
+    const Driven driven = GetParam().drive(given);
+    const Pose truth = compose({1.0, 1.0, 0.0}, given.back().odometry);
+    EXPECT_LT(distance_m(driven.end, truth), 0.15) << far_m;
+    EXPECT_LT(turn_rad(driven.end, truth), 0.06) << far_m;
+    EXPECT_EQ(driven.invalid, 0u);
+  }
+  std::vector<LogRecord> reset = records();
+  const Pose start = reset[12].odometry, end = reset.back().odometry;
+  for (std::size_t k = 12; k < reset.size(); ++k) {
+    reset[k].odometry = relative(reset[k].odometry, start);
+    reset[k].odometry.x_m += 50.0;
+  }
+  const Driven driven = GetParam().drive(reset);
+  EXPECT_LT(distance_m(driven.end, compose({1.0, 1.0, 0.0}, end)), 0.15);
+}
+
+Movement move(StepFrontEnd& front_end, double stamp_s, const Pose& odometry) {
+  return front_end.move_to(front_end.take_odometry(stamp_s, odometry)->pose);
+}
+
+TEST(StepFrontEnd, AJumpIsCountedAndGuessed) {
   FilterConfig config;
-  config.motion.max_jump_m = 1.0;
   StepFrontEnd front_end(config);
-  EXPECT_EQ(front_end.move_to({5.0, 5.0, 1.0}).increment.trans_m, 0.0);  // the first is none
-  EXPECT_EQ(front_end.move_to({5.5, 5.0, 1.0}).inflation, 1.0);
-  EXPECT_NEAR(front_end.move_to({8.0, 5.0, 1.0}).inflation, 2.5, 1e-12);
-  EXPECT_EQ(front_end.jumps(), 1u);
+  EXPECT_EQ(move(front_end, 0.0, {5.0, 5.0, 0.0}).increment.trans_m, 0.0);  // the first is none
+  EXPECT_FALSE(move(front_end, 0.2, {5.1, 5.0, 0.0}).guessed);
+  const Movement jump = move(front_end, 0.4, {9.1, 5.0, 0.0});
+  EXPECT_TRUE(jump.guessed);
+  EXPECT_NEAR(jump.increment.trans_m, 0.1, 1e-9);  // as before
+  EXPECT_NEAR(jump.elapsed_s, 0.2, 1e-9);
+  EXPECT_NEAR(move(front_end, 0.6, {9.2, 5.0, 0.0}).increment.trans_m, 0.1, 1e-9);
+  EXPECT_EQ(front_end.continuous().jumps(), 1u);
+}
+
+// A robot on mecanum wheels goes sideways, 4 mm per scan.
+TEST(StepFrontEnd, SmallStepsAreKeptUntilTheyCount) {
+  for (const MotionForm form : {MotionForm::seed, MotionForm::thrun, MotionForm::omni}) {
+    FilterConfig config;
+    config.motion.form = form;
+    StepFrontEnd front_end(config);
+    Pose reached{1.0, 1.0, 0.3};
+    for (int k = 0; k <= 500; ++k)
+      reached = moved(reached, move(front_end, 0.1 * k, {1.0, 1.0 + 0.004 * k, 0.3}).increment);
+    EXPECT_NEAR(reached.x_m, 1.0, 0.011);
+    EXPECT_NEAR(reached.y_m, 3.0, 0.011);
+    EXPECT_NEAR(reached.theta_rad, 0.3, 1e-9);
+  }
+}
+
+TEST(StepFrontEnd, OdometryThatComesLateIsMovedToTheScan) {
+  FilterConfig config;
+  config.motion.odometry_delay_s = 0.15;
+  StepFrontEnd front_end(config);
+  Pose now;
+  for (int k = 0; k < 20; ++k) now = front_end.take_odometry(0.1 * k, {0.5 * 0.1 * k, 0.0, 0.0})->pose;
+  EXPECT_NEAR(now.x_m, 0.5 * (1.9 + 0.15), 1e-6);  // 0.5 m/s
 }
 
 TEST(StepFrontEnd, AScanCountsAfterEnoughOfEither) {

@@ -145,13 +145,13 @@ std::string terminal_text(const Evaluation& e) {
 std::string samples_csv(const Evaluation& e) {
   std::string csv =
       "seed,stamp_s,position_error_m,heading_error_rad,right,evidence,share,probability,state,searched,"
-      "nees\n";
+      "nees,log_odds\n";
   for (const TrialResult& t : e.trials)
     for (const TrialSample& s : t.samples)
       fmt::format_to(std::back_inserter(csv),
-                     "{},{:.6f},{:.6g},{:.6g},{:d},{:.9g},{:.9g},{:.9g},{},{:d},{:.6g}\n", t.seed, s.stamp_s,
-                     s.position_error_m, s.heading_error_rad, is_right(e.plan, s), s.evidence, s.share,
-                     s.probability, parloc::name_of(s.state), s.searched, s.nees);
+                     "{},{:.6f},{:.6g},{:.6g},{:d},{:.9g},{:.9g},{:.9g},{},{:d},{:.6g},{:.9g}\n", t.seed,
+                     s.stamp_s, s.position_error_m, s.heading_error_rad, is_right(e.plan, s), s.evidence,
+                     s.share, s.probability, parloc::name_of(s.state), s.searched, s.nees, s.log_odds);
   return csv;
 }
 

@@ -1,8 +1,8 @@
 #!/usr/bin/env python3
 """Fits the probability of being right to samples of `parloc evaluate --samples`.
 
-The probability is share / (1 + exp(-(offset + slope * evidence))) (common/localize/health.cpp). Prints offset and slope by
-logistic regression of "is right" on the evidence, over the samples in which one place has nearly all of the weight (the share
+The probability is share / (1 + exp(-(offset + slope * log_odds))) (common/localize/health.cpp). Prints offset and slope by
+logistic regression of "is right" on the log-odds, over the samples in which one place has nearly all of the weight (the share
 says enough of the others), and over all samples the reliability, Brier score and AUC with the old and the new constants.
 Every other trial is left out of the fit and judged apart, to see whether it holds.
 """
@@ -17,16 +17,16 @@ from measuring import ROOT, Failure, option, parse, reported
 from pages import fixed
 
 HEALTH = ROOT / "common/localize/health.cpp"
-NEEDED = ("seed", "right", "evidence", "share")
+NEEDED = ("seed", "right", "log_odds", "share")
 
 
 def sample_of(path, row):
-    sample = (path, row["seed"]), {"0": 0, "1": 1}[row["right"]], float(row["evidence"]), float(row["share"])
+    sample = (path, row["seed"]), {"0": 0, "1": 1}[row["right"]], float(row["log_odds"]), float(row["share"])
     return sample if all(map(math.isfinite, sample[2:])) else None
 
 
 def read_samples(paths):
-    """(trial, right, evidence, share) of every sample; a trial is a file and a seed."""
+    """(trial, right, log_odds, share) of every sample; a trial is a file and a seed."""
     samples = []
     for path in paths:
         try:
@@ -56,8 +56,8 @@ def sigmoid(x):
 
 
 def log_likelihood(points, a, b):
-    """Of all outcomes, each (evidence, right)."""
-    exponents = ((a + b * evidence, right) for evidence, right in points)
+    """Of all outcomes, each (log_odds, right)."""
+    exponents = ((a + b * log_odds, right) for log_odds, right in points)
     return -sum(math.log1p(math.exp(-abs(x))) + max(-x if right else x, 0.0) for x, right in exponents)
 
 
@@ -69,12 +69,12 @@ def fit(points):
     a, b = 0.0, 0.0
     best = log_likelihood(points, a, b)
     for _ in range(100):
-        said = [(sigmoid(a + b * evidence), evidence, right) for evidence, right in points]
-        ga, gb = (sum((right - p) * evidence**power for p, evidence, right in said) for power in range(2))
-        haa, hab, hbb = (sum(p * (1 - p) * evidence**power for p, evidence, _ in said) for power in range(3))
+        said = [(sigmoid(a + b * log_odds), log_odds, right) for log_odds, right in points]
+        ga, gb = (sum((right - p) * log_odds**power for p, log_odds, right in said) for power in range(2))
+        haa, hab, hbb = (sum(p * (1 - p) * log_odds**power for p, log_odds, _ in said) for power in range(3))
         det = haa * hbb - hab * hab
         if det <= 1e-12 * max(1.0, haa * hbb):
-            raise Failure(3, "the evidence parts right from wrong entirely, or is all the same: no curve fits best")
+            raise Failure(3, "what the scans say parts right from wrong entirely, or is all the same: no curve fits best")
         da, db = (hbb * ga - hab * gb) / det, (haa * gb - hab * ga) / det
         scale = 1.0
         while scale > 1e-6 and log_likelihood(points, a + scale * da, b + scale * db) < best:
@@ -96,7 +96,7 @@ def auc_of(forecasts):
 
 
 def judge(samples, a, b):
-    forecasts = [(share * sigmoid(a + b * evidence), right) for _, right, evidence, share in samples]
+    forecasts = [(share * sigmoid(a + b * log_odds), right) for _, right, log_odds, share in samples]
     bins = [[] for _ in range(10)]
     for p, right in forecasts:
         bins[min(int(10 * p), 9)].append((p, right))

@@ -1,4 +1,4 @@
-#include "common/filter/pose_rays.h"
+#include "common/search/pose_rays.h"
 
 #include <utility>
 
