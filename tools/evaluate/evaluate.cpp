@@ -64,7 +64,7 @@ void declare(CLI::App& app, EvaluateOptions& o) {
   add_text_option(app, "--trajectory", o.trajectory, "T.tum", "Or no trials: judge this trajectory ...");
   add_text_option(app, "--relations", o.relations, "R.txt", "... by relations (--dataset NAME: of that log)");
   add_text_option(app, "--dataset", o.dataset, "NAME", "Published figures of that log beside")->group("");
-  app.add_flag("--families", o.families, "Or kinds of drives (--family NAME), or --log with --corrupt");
+  app.add_flag("--families", o.families, "Or kinds of drives (--family NAME; --corrupt)");
   add_text_option(app, "--family", o.family, "NAME", "Of this one only; may come again")->group("");
   add_text_option(app, "--maps", o.maps, "DIR", "Of the maps that come with parloc (maps)")->group("");
   add_text_option(app, "--corrupt", o.corrupt, "K=V,...", "Odometry of the log made worse")->group("");

@@ -148,18 +148,17 @@ std::string terminal_text(const FamiliesReport& report) {
 std::string samples_csv(const FamiliesReport& report) {
   std::string csv =
       "family,seed,run,stamp_s,position_error_m,heading_error_rad,right,evidence,share,probability,state,"
-      "searched,nees,"
-      "x_error_m,sigma_x_m\n";
+      "searched,nees,x_error_m,sigma_x_m,log_odds\n";
   const TrialPlan rule;
   for (const DriveResult& d : report.drives)
     for (const TrialResult* run : {&d.closed, &d.bare})
       for (const TrialSample& s : run->samples)
-        fmt::format_to(
-            std::back_inserter(csv),
-            "\"{}\",{},{},{:.6f},{:.6g},{:.6g},{:d},{:.9g},{:.9g},{:.9g},{},{:d},{:.6g},{:.6g},{:.6g}\n",
-            d.family, d.seed, run == &d.closed ? "loop" : "bare", s.stamp_s, s.position_error_m,
-            s.heading_error_rad, is_right(rule, s), s.evidence, s.share, s.probability,
-            parloc::name_of(s.state), s.searched, s.nees, s.x_error_m, s.sigma_x_m);
+        fmt::format_to(std::back_inserter(csv),
+                       "\"{}\",{},{},{:.6f},{:.6g},{:.6g},{:d},{:.9g},{:.9g},{:.9g},{},{:d},{:.6g},{:.6g},{:."
+                       "6g},{:.9g}\n",
+                       d.family, d.seed, run == &d.closed ? "loop" : "bare", s.stamp_s, s.position_error_m,
+                       s.heading_error_rad, is_right(rule, s), s.evidence, s.share, s.probability,
+                       parloc::name_of(s.state), s.searched, s.nees, s.x_error_m, s.sigma_x_m, s.log_odds);
   return csv;
 }
 
