@@ -31,6 +31,9 @@ class ScanEvidence {
   std::size_t learn(float range_max_m, std::size_t places);
   /// What was learnt of LiDARs.
   void forget() { chances_.clear(), learning_ = {}; }
+  /// What that call would have given for a scan that sees just what the map shows from there: how much a scan from
+  /// there can tell at all [nat per beam]. Little before a flat wall, or where most beams meet nothing.
+  double attainable() const { return attainable_; }
   /// Expected ranges of that call, by beam [m].
   const std::vector<float>& expected_m() const { return expected_m_; }
 
@@ -57,6 +60,7 @@ class ScanEvidence {
   std::vector<Chance> chances_;                                            // the newest last
   Learning learning_;
   std::vector<float> expected_m_;  // of the scan at hand
+  double attainable_ = 0.0;        // likewise
 };
 
 }  // namespace parloc
