@@ -8,9 +8,10 @@ namespace parloc {
 namespace {
 
 /// What the evidence of one scan says of its place [nat]: linear about where right and wrong places are as
-/// common, and never more than a few nat, since a scan may be bad by itself. They are as common so far below
-/// what is typical of the drive, but not beyond what any place is worth.
-constexpr double kBelowTypical = 0.9, kEvenLeast = 0.7, kEvenMost = 1.5;
+/// common, and never more than a few nat, since a scan may be bad by itself. They are as common at a share of
+/// what is attainable there that is so far below what is typical of the drive, but within bounds: where a
+/// scan can tell little, little is said.
+constexpr double kBelowTypical = 0.33, kEvenLeast = 0.25, kEvenMost = 0.5;
 constexpr double kPerNat = 6.0, kMostPerScan = 4.0;
 /// Of the running mean of good evidence, per independent scan.
 constexpr double kTypicalRate = 0.02;
@@ -40,15 +41,19 @@ void HealthMonitor::reset(double log_odds) {
 
 void HealthMonitor::accept() {
   log_odds_ = std::max(log_odds_, kAccepted);
-  typical_ = std::min(typical_, std::max(evidence_, kEvenLeast + kBelowTypical));
+  typical_ = std::min(typical_, std::max(share_, kEvenLeast + kBelowTypical));
 }
 
 Health HealthMonitor::update(const ScanFit& fit) {
-  evidence_ += (seen_ ? kSmoothing * fit.novelty : 1.0) * (fit.evidence - evidence_);
+  const double part = seen_ ? kSmoothing * fit.novelty : 1.0;
+  const double reached = fit.attainable > 0.0 ? std::clamp(fit.evidence / fit.attainable, -1.0, 1.0) : 0.0;
+  evidence_ += part * (fit.evidence - evidence_);
+  share_ += part * (reached - share_);
   seen_ = true;
   const double even = std::clamp(typical_ - kBelowTypical, kEvenLeast, kEvenMost);
-  const double says = std::clamp(kPerNat * (fit.evidence - even), -kMostPerScan, kMostPerScan);
-  if (fit.evidence > even) typical_ += kTypicalRate * fit.novelty * (fit.evidence - typical_);
+  const double excess = fit.evidence - even * fit.attainable;
+  const double says = std::clamp(kPerNat * excess, -kMostPerScan, kMostPerScan);
+  if (excess > 0.0) typical_ += kTypicalRate * fit.novelty * (reached - typical_);
   log_odds_ = std::clamp(log_odds_ + fit.novelty * says, kMostAgainst, kMostFor);
 
   const double logit = kOffset + kSlope * log_odds_;

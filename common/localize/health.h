@@ -19,9 +19,10 @@ struct Health {
 
 /// What one scan says of the place that is tracked.
 struct ScanFit {
-  double evidence = 0.0;  ///< At the estimated pose [nat per beam].
-  double share = 0.0;     ///< Weight of the particles around that pose, 0 to 1.
-  double novelty = 1.0;   ///< Of the scan (ScanNovelty).
+  double evidence = 0.0;    ///< At the estimated pose [nat per beam].
+  double attainable = 2.5;  ///< What it could be there (ScanEvidence).
+  double share = 0.0;       ///< Weight of the particles around that pose, 0 to 1.
+  double novelty = 1.0;     ///< Of the scan (ScanNovelty).
 };
 
 /// Follows one filter: adds up what independent scans say for and against its place, whatever time they take.
@@ -33,7 +34,8 @@ class HealthMonitor {
   void reset(double log_odds = 0.0);
   /// Where it is now fits best of all places: that it fits worse than before is the surroundings' doing.
   void accept();
-  /// Evidence of a scan at a good place on this drive, with its people and its moved shelves [nat per beam].
+  /// Of what is attainable, the share that scans at a good place reach on this drive, with its people and its
+  /// moved shelves.
   double typical() const { return typical_; }
 
   /// After a scan was weighed. The probability is that of the scans, calibrated (docs/localize.md), times the
@@ -41,11 +43,11 @@ class HealthMonitor {
   Health update(const ScanFit& fit);
 
  private:
-  /// Before anything was seen: that of a clean map.
-  static constexpr double kFirstTypical = 2.0;
+  static constexpr double kFirstTypical = 0.75;  // of maps that are a little wrong, as all are
 
   bool seen_ = false, lost_ = false;
   double evidence_ = 0.0;  // smoothed
+  double share_ = 0.0;     // of what is attainable, likewise
   double log_odds_ = 0.0;  // of being right
   double typical_ = kFirstTypical;
 };

@@ -281,7 +281,7 @@ void Localizer::State::look_for_slips(const Now& now) {
   const double worth = config.search.effective_beams;
   const double odds = std::clamp(now.elapsed_s * kSlipsPer_s, kLeastSlipOdds, kMostSlipOdds);
   const double here = judge.evidence(now.beams, expected);
-  if (worth * (d.monitor.typical() - here) < -portable_log64(odds)) return;
+  if (worth * (d.monitor.typical() * judge.attainable() - here) < -portable_log64(odds)) return;
   const double sigma_m = kSlipSigma_m + kSlipGrowth_m * d.since_well_m;
   const double sigma_rad = kSlipSigma_rad + kSlipGrowth_rad * d.since_well_m;
   const auto found = near_by().look(now.beams, expected, {kReachSigmas * sigma_m, kReachSigmas * sigma_rad});
@@ -307,7 +307,7 @@ void Localizer::State::watch(const Now& now, LocalizerEstimate& out) {
   const BeamTable& beams = filter.last_beams();
   const double novel = d.novelty.add(now.odometry, now.elapsed_s, beams);
   const double evidence = judge.evidence(beams, heaviest.mean);
-  d.last = d.monitor.update({evidence, heaviest.weight, novel});
+  d.last = d.monitor.update({evidence, judge.attainable(), heaviest.weight, novel});
   const double moved_m = d.tracked ? distance_m(*d.tracked, heaviest.mean) : 0.0;
   d.tracked = heaviest.mean;
   d.since_well_m = evidence >= kFits ? 0.0 : d.since_well_m + moved_m;

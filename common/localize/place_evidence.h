@@ -31,6 +31,9 @@ class PlaceEvidence {
   /// Evidence of one scan for a pose in the map frame [nat per beam].
   double evidence(const BeamTable& beams, const Pose& pose_in_map);
 
+  /// Of that call: what a scan from there can tell at all (ScanEvidence).
+  double attainable() const { return evidence_.attainable(); }
+
   struct Verdict {
     double evidence = 0.0;  ///< Mean over the scans [nat per beam].
     double share = 0.0;     ///< Of the belief, if these are all places that there are.

@@ -100,18 +100,26 @@ std::size_t ScanEvidence::learn(float range_max_m, std::size_t places) {
 }
 
 double ScanEvidence::per_beam(const BeamTable& beams, const Pose& pose_in_grid) {
+  attainable_ = 0.0;
   if (beams.count == 0) return 0.0;
   (void)learn(beams.range_max_m, anywhere_x_m_.size());
   const Chance& chance = *known(beams.range_max_m);
   rays_.cast(beams, pose_in_grid, expected_m_);
   const Beam beam(chance.range_max_m);
-  double sum = 0.0;
+  const auto hit = [&](float measured_m, float expected_m) {
+    return static_cast<double>(beam.log_hit(measured_m, expected_m) -
+                               chance.log_hit[bin_of(measured_m, chance.range_max_m)]);
+  };
+  const auto miss = [&](float expected_m) {
+    return static_cast<double>(beam.log_miss(expected_m) - chance.log_miss);
+  };
+  double sum = 0.0, most = 0.0;
   for (std::size_t m = 0; m < beams.count; ++m) {
     const float measured_m = beams.range_m[m], expected_m = expected_m_[m];
-    sum += static_cast<double>(m < beams.hits ? beam.log_hit(measured_m, expected_m) -
-                                                    chance.log_hit[bin_of(measured_m, chance.range_max_m)]
-                                              : beam.log_miss(expected_m) - chance.log_miss);
+    sum += m < beams.hits ? hit(measured_m, expected_m) : miss(expected_m);
+    most += expected_m < chance.range_max_m ? hit(expected_m, expected_m) : miss(expected_m);
   }
+  attainable_ = most / static_cast<double>(beams.count);
   return sum / static_cast<double>(beams.count);
 }
 

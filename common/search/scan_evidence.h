@@ -31,8 +31,8 @@ class ScanEvidence {
   std::size_t learn(float range_max_m, std::size_t places);
   /// What was learnt of LiDARs.
   void forget() { chances_.clear(), learning_ = {}; }
-  /// What that call would have given for a scan that sees just what the map shows from there: how much a scan from
-  /// there can tell at all [nat per beam]. Little before a flat wall, or where most beams meet nothing.
+  /// What that call would have given for a scan that sees just what the map shows from there: how much a scan
+  /// from there can tell at all [nat per beam]. Little before a flat wall, or where most beams meet nothing.
   double attainable() const { return attainable_; }
   /// Expected ranges of that call, by beam [m].
   const std::vector<float>& expected_m() const { return expected_m_; }

@@ -82,7 +82,7 @@ TEST(ScanEvidence, AMapWithoutFreeCellsIsAnError) {
 
 Health feed(HealthMonitor& monitor, double evidence, double share, int times, double novelty = 1.0) {
   Health h;
-  for (int k = 0; k < times; ++k) h = monitor.update({evidence, share, novelty});
+  for (int k = 0; k < times; ++k) h = monitor.update({evidence, 2.5, share, novelty});
   return h;
 }
 
