@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <limits>
+#include <utility>
 
 #include "common/localize/place_evidence.h"
 #include "common/localize/rivals.h"
@@ -40,7 +41,7 @@ constexpr double kSlipShare = 0.25;  ///< Of the particles, for what is found th
 
 /// Work of a slice of the search (search_work.h), 2 to 3 ns each on a core: the longer the time between
 /// scans, the more, but always some milliseconds.
-constexpr double kWorkPer_s = 2e7, kLeastSlice = 2e6, kMostSlice = 5e6;
+constexpr double kWorkPer_s = 4e7, kLeastSlice = 2e6, kMostSlice = 5e6;
 constexpr std::int64_t kAllWork = std::numeric_limits<std::int64_t>::max();
 constexpr double kSearchEvery_s = 2.0;  ///< Or sooner, if it has moved.
 bool same_place(const Pose& a, const Pose& b) {
@@ -94,6 +95,7 @@ struct Localizer::State {
     ScanNovelty novelty;
     bool placed = false;                    // it was told or has found where it may be, since the start
     bool lost = true;                       // search
+    bool doubt = false;                     // more speaks against it than for it, since a little while
     bool settled = false;                   // else there may be other places, as good as the filter's
     bool was_settled = false;               // until it was lost; no search has found another place since
     std::optional<Pose> searched_odometry;  // where the last search began
@@ -130,7 +132,7 @@ SlipSearch& Localizer::State::near_by() {
 
 bool Localizer::State::search_is_due(const Pose& odometry) const {
   // With several guesses a scan is weighed before anything else is looked for.
-  if (d.settled || (!d.lost && !filter.odometry())) return false;
+  if ((d.settled && !d.doubt) || (!d.lost && !filter.odometry())) return false;
   if (d.placed && (!config.localize.recover || !d.rivals.empty())) return false;
   return !d.searched_odometry || d.since_search_s >= kSearchEvery_s ||
          distance_m(odometry, *d.searched_odometry) >= config.localize.search_every_m ||
@@ -141,7 +143,6 @@ void Localizer::State::start_search(const Now& now) {
   whole_map().begin(now.beams, d.prior);
   d.searched_odometry = now.odometry;
   d.since_search_s = 0.0;
-  ++d.searches;
 }
 
 /// Every place where the scan of the search may have been taken, moved to now and weighed by what is
@@ -150,6 +151,7 @@ std::vector<Hypothesis> Localizer::State::found_now(const Now& now, LocalizerEst
   SearchResult result = search->result();
   std::vector<Hypothesis>& found = result.hypotheses;
   out.searched = true;
+  ++d.searches;
   out.found = found.size();
   const Pose moved_since = relative(now.odometry, *d.searched_odometry);
   std::vector<Pose> places;
@@ -221,12 +223,16 @@ void Localizer::State::look_for_others(const std::vector<Hypothesis>& found, con
 /// A slice of the search that is under way, if there is one, and what follows from what it has found.
 void Localizer::State::go_on_searching(const Now& now, LocalizerEstimate& out) {
   if (!search || !search->under_way()) return;
+  if (d.settled && !d.doubt) return search->cancel();  // some bad scans, and it fits again
   if (!search->advance(d.placed ? slice_of(now) : kAllWork)) return;
   std::vector<Hypothesis> found = found_now(now, out);
+  const bool was_sure = d.settled || d.was_settled;
   if (!d.placed) {
     if (!found.empty()) put_at(std::move(found), now);
-  } else if (!d.lost) {
-    if (!d.settled) look_for_others(found, now);
+  } else if (!was_sure && !d.lost) {
+    look_for_others(found, now);
+  } else if (!was_sure) {
+    if (!found.empty() && found[0].evidence >= kFits) put_at(std::move(found), now);
   } else {
     const auto here = [&](const Hypothesis& h) {
       return d.tracked && same_place(h.pose, compose(*d.tracked, relative(now.odometry, *filter.odometry())));
@@ -311,13 +317,14 @@ void Localizer::State::watch(const Now& now, LocalizerEstimate& out) {
   const double moved_m = d.tracked ? distance_m(*d.tracked, heaviest.mean) : 0.0;
   d.tracked = heaviest.mean;
   d.since_well_m = evidence >= kFits ? 0.0 : d.since_well_m + moved_m;
-  const bool was_lost = d.lost;
   d.lost = d.last.state == HealthState::lost;
+  const bool doubted = std::exchange(d.doubt, d.last.log_odds < 0.0);
   if (d.lost && d.settled) d.settled = false, d.was_settled = true;
   if (!d.lost && d.was_settled) d.settled = true, d.was_settled = false;  // some bad scans, and it fits again
-  if (!d.lost) d.rivals.clear();
-  if (d.settled || (d.lost && !was_lost)) judge.forget();  // it may have been put somewhere else
-  if (!d.settled && d.rivals.empty()) judge.remember(now.odometry, beams);
+  if (!d.lost && !d.doubt) d.rivals.clear();
+  // From where the doubt began: it may have been put somewhere else.
+  if ((d.settled && !d.doubt) || (d.doubt && !doubted)) judge.forget();
+  if ((!d.settled || d.doubt) && d.rivals.empty()) judge.remember(now.odometry, beams);
   if (d.settled || !config.localize.recover) return;
   d.last.probability *= kUnsettled;
   if (d.last.state == HealthState::tracking) d.last.state = HealthState::ambiguous;

@@ -125,9 +125,9 @@ TEST(HealthMonitor, CountsWhatIsNewAndNotHowOften) {
 TEST(HealthMonitor, WhatIsAcceptedIsTypical) {
   HealthMonitor monitor;
   feed(monitor, 2.6, 1.0, 200);
-  EXPECT_EQ(feed(monitor, 1.2, 1.0, 20).state, HealthState::lost);
+  EXPECT_EQ(feed(monitor, 0.9, 1.0, 20).state, HealthState::lost);
   monitor.accept();
-  EXPECT_EQ(feed(monitor, 1.2, 1.0, 20).state, HealthState::tracking);
+  EXPECT_EQ(feed(monitor, 0.9, 1.0, 20).state, HealthState::tracking);
   EXPECT_EQ(feed(monitor, 0.0, 1.0, 5).state, HealthState::lost);
 }
 
