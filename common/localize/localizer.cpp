@@ -44,6 +44,7 @@ constexpr double kSlipShare = 0.25;  ///< Of the particles, for what is found th
 constexpr double kWorkPer_s = 4e7, kLeastSlice = 2e6, kMostSlice = 5e6;
 constexpr std::int64_t kAllWork = std::numeric_limits<std::int64_t>::max();
 constexpr double kSearchEvery_s = 2.0;  ///< Or sooner, if it has moved.
+
 bool same_place(const Pose& a, const Pose& b) {
   return distance_m(a, b) < kSame_m && turn_rad(a, b) < kSame_rad;
 }
@@ -126,7 +127,11 @@ GlobalSearch& Localizer::State::whole_map() {
 }
 
 SlipSearch& Localizer::State::near_by() {
-  if (!slips) slips = std::make_unique<SlipSearch>(filter.map(), config.search, config, &whole_map());
+  if (!slips) {
+    ComputeConfig one = config;
+    one.threads = 1;  // less than a millisecond of work: to wake others takes as long
+    slips = std::make_unique<SlipSearch>(filter.map(), config.search, one, &whole_map());
+  }
   return *slips;
 }
 
