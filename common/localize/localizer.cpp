@@ -204,7 +204,7 @@ void Localizer::State::put_at(std::vector<Hypothesis> found, const Now& now) {
 }
 
 /// Whether another place explains the scan of the search, too. If so, it gets its share of the particles; if
-/// not, and the filter has made up its mind, that is d.settled.
+/// not, and the filter has made up its mind, that is settled.
 void Localizer::State::look_for_others(const std::vector<Hypothesis>& found, const Now& now) {
   const std::vector<Mode> modes = modes_at(now.odometry);
   std::vector<PoseGuess> others;
@@ -276,7 +276,7 @@ void Localizer::State::drop_refuted(const Now& now) {
   d.tracked.reset();
 }
 
-/// Whether the scan speaks for the place where it was before it was d.lost.
+/// Whether the scan speaks for the place where it was before it was lost.
 bool Localizer::State::fits_again(const Now& now) {
   if (!d.was_settled || !filter.odometry()) return false;
   const std::vector<Mode> modes = modes_at(now.odometry);
