@@ -202,6 +202,64 @@ TEST(Localizer, SomeBadScansPassByThemselves) {
   }
 }
 
+// The wheels say nothing of a turn by 15 degrees, or of 0.3 m: the scan that comes next says it.
+TEST(Localizer, AHiddenMotionIsFoundByTheNextScan) {
+  const GridMap map = test::two_rooms();
+  for (const Pose& hidden : {Pose{0.0, 0.0, 0.26}, Pose{0.0, 0.0, -0.26}, Pose{0.3, 0.0, 0.0}})
+    for (const std::uint64_t seed : {7u, 9u}) {
+      const TrialLog log = drive(map, TrialTask::track, 6.0, seed);
+      std::vector<LogRecord> records = log.records;
+      const std::size_t from = records.size() / 2;
+      const Pose there = records[from].odometry, said_there = compose(there, inverse(hidden));
+      for (std::size_t k = from; k < records.size(); ++k)
+        records[k].odometry = compose(said_there, relative(records[k].odometry, there));
+      Localizer localizer(small_localizer(), map);
+      localizer.start_at(log.truth.front().pose, 0.1, 0.1, 0.05);
+      const auto said = feed(localizer, records);
+      for (std::size_t k = 0; k < said.size(); ++k) {
+        EXPECT_TRUE(near(said[k].filter.pose, log.truth[k].pose)) << "scan " << k << ", seed " << seed;
+        EXPECT_NE(said[k].health.state, HealthState::lost);
+      }
+      EXPECT_LT(error_m(said.back(), log.truth.back().pose), 0.2);
+      EXPECT_EQ(localizer.searches(), 0u);  // of the whole map
+    }
+}
+
+TEST(Localizer, OneReadingOfAnySizeIsPassedOver) {
+  const GridMap map = test::two_rooms();
+  const TrialLog log = drive(map, TrialTask::track, 6.0, 7);
+  for (const double far_m : {10.0, 1e3, 1e6, 1e200}) {
+    std::vector<LogRecord> records = log.records;
+    records[records.size() / 3].odometry.x_m += far_m;
+    records[records.size() / 2].odometry.y_m -= far_m;
+    Localizer localizer(small_localizer(), map);
+    localizer.start_at(log.truth.front().pose, 0.1, 0.1, 0.05);
+    const auto said = feed(localizer, records);
+    for (std::size_t k = 0; k < said.size(); ++k) {
+      EXPECT_LT(error_m(said[k], log.truth[k].pose), 0.3) << far_m << ", scan " << k;
+      EXPECT_TRUE(std::isfinite(said[k].health.probability));
+      for (const double v : said[k].filter.covariance.v) EXPECT_TRUE(std::isfinite(v));
+    }
+    EXPECT_EQ(said.back().health.state, HealthState::tracking);
+  }
+}
+
+// The gyro of a robot that stands drifts by 0.05 degrees a second: the walls stand still.
+TEST(Localizer, StandingStillIsNotTurning) {
+  const GridMap map = test::two_rooms();
+  const TrialLog log = drive(map, TrialTask::track, 1.0, 7);
+  LogRecord record = log.records.front();
+  Localizer localizer(small_localizer(), map);
+  localizer.start_at(log.truth.front().pose, 0.1, 0.1, 0.05);
+  for (int k = 0; k < 600; ++k) {
+    record.stamp_s += 0.1, record.scan.stamp_s += 0.1;
+    record.odometry.theta_rad += 0.005 * M_PI / 180.0;
+    const LocalizerEstimate said = localizer.step(record.odometry, record.scan);
+    EXPECT_LT(std::fabs(wrap64(said.filter.pose.theta_rad - log.truth.front().pose.theta_rad)), 0.0175) << k;
+    EXPECT_EQ(said.health.state, HealthState::tracking);
+  }
+}
+
 TEST(Localizer, AMapWithoutWallsHasNoPlace) {
   const GridMap empty = grid_from_text(std::vector<std::string>(90, std::string(140, '.')), 0.1);
   const TrialLog log = drive(test::two_rooms(), TrialTask::global, 1.0, 1);
