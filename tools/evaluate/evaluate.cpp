@@ -169,7 +169,6 @@ LogSource source_of(const EvaluateOptions& o, Evaluation& e) {
 }
 
 void run_all(Evaluation& e, const LogSource& source, const GridMap& map, bool quiet) {
-  catch_interrupts();
   Progress progress(quiet);
   evaluate::TrialsRequest request{e.plan, e.config, e.first_seed, e.wanted, e.jobs, interrupted, {}};
   request.progress = [&](double fraction, std::size_t finished) {
@@ -277,6 +276,7 @@ int run(const EvaluateOptions& o, const std::string& typed) {
   e.source = source.what;
   e.jobs = static_cast<int>(std::min<std::size_t>(static_cast<std::size_t>(jobs_of(o)), e.wanted));
   const GridMap map = read_map(e.map_path);
+  catch_interrupts();  // before there is a folder to leave behind
   std::unique_ptr<OutputFolder> out;
   if (!o.out.empty()) out = std::make_unique<OutputFolder>(o.out, std::vector<std::string>{kJson, kPage});
   if (!o.samples.empty()) check_writable(o.samples);

@@ -46,7 +46,6 @@ DriveSource source_of(const FamiliesOptions& o) {
 }
 
 void run_all(FamiliesReport& report, const DriveSource& source, bool quiet) {
-  catch_interrupts();
   Progress progress(quiet);
   families::DrivesRequest request{report.config, report.jobs, interrupted, {}};
   request.progress = [&](double fraction, std::size_t finished) {
@@ -82,6 +81,7 @@ int evaluate_families(const FamiliesOptions& o, const std::string& typed) {
   report.source = source.what;
   report.wanted = source.drives;
   report.jobs = static_cast<int>(std::min(static_cast<std::size_t>(o.jobs), source.drives));
+  catch_interrupts();  // before there is a folder to leave behind
   std::unique_ptr<OutputFolder> out;
   if (!o.out.empty()) out = std::make_unique<OutputFolder>(o.out, std::vector<std::string>{kJson, kPage});
 
