@@ -48,8 +48,23 @@ inline MotionStep motion_step(const OdometryIncrement& increment, const MotionCo
   return motion_step(Movement{increment}, config);
 }
 
+/// The motion of differential wheels: noise from stream `motion`, words -> rot1, trans, rot2 (SPEC 1.3).
+PARLOC_HD void predict_differential(float& x, float& y, float& theta, const MotionStep& m, std::uint32_t slot,
+                                    std::uint32_t step, std::uint64_t seed) {
+  const Normals n = normals(philox(slot, step, Stream::motion, 0, seed));
+  const float rot1 = fused(m.sigma_rot1, n.n[0], m.rot1);
+  const float trans = fused(m.sigma_trans, n.n[1], m.trans);
+  const float rot2 = fused(m.sigma_rot2, n.n[2], m.rot2);
+  const SinCos a = portable_sincos(theta + rot1);
+  x = fused(trans, a.cos, x);
+  y = fused(trans, a.sin, y);
+  theta = wrap(theta + (rot1 + rot2));
+}
+
 /// The omnidirectional motion (SPEC 1.5): words -> translation, rotation, sideways.
-PARLOC_HD void predict_omni(float& x, float& y, float& theta, const MotionStep& m, const Normals& n) {
+PARLOC_HD void predict_omni(float& x, float& y, float& theta, const MotionStep& m, std::uint32_t slot,
+                            std::uint32_t step, std::uint64_t seed) {
+  const Normals n = normals(philox(slot, step, Stream::motion, 0, seed));
   const float trans = fused(m.sigma_trans, n.n[0], m.trans);
   const float turn = fused(m.sigma_rot2, n.n[1], m.rot1 + m.rot2);
   const float strafe = m.sigma_strafe * n.n[2];
@@ -59,18 +74,11 @@ PARLOC_HD void predict_omni(float& x, float& y, float& theta, const MotionStep& 
   theta = wrap(theta + turn);
 }
 
-/// Moves one particle: noise from stream `motion`, words -> rot1, trans, rot2 (SPEC 1.3).
+/// Moves one particle in the step's form.
 PARLOC_HD void predict_one(float& x, float& y, float& theta, const MotionStep& m, std::uint32_t slot,
                            std::uint32_t step, std::uint64_t seed) {
-  const Normals n = normals(philox(slot, step, Stream::motion, 0, seed));
-  if (m.omni != 0) return predict_omni(x, y, theta, m, n);
-  const float rot1 = fused(m.sigma_rot1, n.n[0], m.rot1);
-  const float trans = fused(m.sigma_trans, n.n[1], m.trans);
-  const float rot2 = fused(m.sigma_rot2, n.n[2], m.rot2);
-  const SinCos a = portable_sincos(theta + rot1);
-  x = fused(trans, a.cos, x);
-  y = fused(trans, a.sin, y);
-  theta = wrap(theta + (rot1 + rot2));
+  if (m.omni != 0) return predict_omni(x, y, theta, m, slot, step, seed);
+  predict_differential(x, y, theta, m, slot, step, seed);
 }
 
 PARLOC_HD bool widens(const MotionStep& m) {
@@ -83,22 +91,24 @@ PARLOC_HD bool slips(const MotionStep& m, std::uint32_t slot, std::uint32_t step
   return m.slip_every > 0 && (slot + step) % m.slip_every == 0;
 }
 
-/// Adds the noise that widens the cloud: block 1 of stream `motion`, words -> x, y, theta.
-PARLOC_HD void spread_one(float& x, float& y, float& theta, const MotionStep& m, std::uint32_t slot,
-                          std::uint32_t step, std::uint64_t seed) {
-  const Normals n = normals(philox(slot, step, Stream::motion, 1, seed));
-  x = fused(m.spread_xy, n.n[0], x);
-  y = fused(m.spread_xy, n.n[1], y);
-  theta = wrap(fused(m.spread_theta, n.n[2], theta));
+/// Noise besides the motion's own, from a block of stream `motion`: words -> x, y, theta.
+PARLOC_HD void add_noise(float& x, float& y, float& theta, float sigma_xy, float sigma_theta,
+                         const Normals& n) {
+  x = fused(sigma_xy, n.n[0], x);
+  y = fused(sigma_xy, n.n[1], y);
+  theta = wrap(fused(sigma_theta, n.n[2], theta));
 }
 
-/// And that of a slip: block 2, likewise.
+/// Adds the noise that widens the cloud: block 1.
+PARLOC_HD void spread_one(float& x, float& y, float& theta, const MotionStep& m, std::uint32_t slot,
+                          std::uint32_t step, std::uint64_t seed) {
+  add_noise(x, y, theta, m.spread_xy, m.spread_theta, normals(philox(slot, step, Stream::motion, 1, seed)));
+}
+
+/// And that of a slip: block 2.
 PARLOC_HD void slip_one(float& x, float& y, float& theta, const MotionStep& m, std::uint32_t slot,
                         std::uint32_t step, std::uint64_t seed) {
-  const Normals n = normals(philox(slot, step, Stream::motion, 2, seed));
-  x = fused(m.slip_xy, n.n[0], x);
-  y = fused(m.slip_xy, n.n[1], y);
-  theta = wrap(fused(m.slip_theta, n.n[2], theta));
+  add_noise(x, y, theta, m.slip_xy, m.slip_theta, normals(philox(slot, step, Stream::motion, 2, seed)));
 }
 
 }  // namespace parloc
