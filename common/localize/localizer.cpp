@@ -4,6 +4,8 @@
 #include <limits>
 #include <utility>
 
+#include "common/localize/map_error.h"
+#include "common/localize/missing_returns.h"
 #include "common/localize/place_evidence.h"
 #include "common/localize/rivals.h"
 #include "common/localize/scan_novelty.h"
@@ -20,8 +22,6 @@ constexpr double kModeSigma_m = 0.05, kModeSigma_rad = 0.02;  ///< And about wha
 /// No hypothesis gets fewer particles than this share of an equal part: a wrong ranking must be able to turn.
 constexpr double kLeastShare = 0.25;
 constexpr double kLeastMode = 0.02;
-/// Evidence of a scan that may tell where it was taken [nat per beam]: one of less is bad itself.
-constexpr double kFits = 1.0;
 /// Shares of all that the search finds: from here on there is no doubt, and up to here none worth a particle.
 constexpr double kNoDoubt = 0.99, kNoMatter = 0.01;
 /// What the probability is worth as long as there may be a rival elsewhere.
@@ -73,9 +73,9 @@ struct Localizer::State {
   bool search_is_due(const Pose& odometry) const;
   void start_search(const Now& now);
   void go_on_searching(const Now& now, LocalizerEstimate& out);
-  std::vector<Hypothesis> found_now(const Now& now, LocalizerEstimate& out);
-  void put_at(std::vector<Hypothesis> found, const Now& now);
-  void look_for_others(const std::vector<Hypothesis>& found, const Now& now);
+  std::vector<JudgedPlace> found_now(const Now& now, LocalizerEstimate& out);
+  void put_at(std::vector<JudgedPlace> found, const Now& now);
+  void look_for_others(const std::vector<JudgedPlace>& found, const Now& now);
   void weigh_rivals(const Now& now);
   void drop_refuted(const Now& now);
   bool fits_again(const Now& now);
@@ -94,6 +94,7 @@ struct Localizer::State {
     SearchPrior prior;
     HealthMonitor monitor;
     ScanNovelty novelty;
+    MissingReturns missing;
     bool placed = false;                    // it was told or has found where it may be, since the start
     bool lost = true;                       // search
     bool doubt = false;                     // more speaks against it than for it, since a little while
@@ -113,6 +114,7 @@ struct Localizer::State {
 void Localizer::State::begin(bool is_lost, bool is_settled, const SearchPrior& known) {
   judge.forget();
   if (search) search->forget();  // slices end where they would if this run were the first
+  judge.set_lost(0.0);
   d = {};
   d.monitor.reset(is_lost ? kFoundLogOdds : kGivenLogOdds);
   d.prior = known;
@@ -152,21 +154,17 @@ void Localizer::State::start_search(const Now& now) {
 
 /// Every place where the scan of the search may have been taken, moved to now and weighed by what is
 /// remembered, the most likely first.
-std::vector<Hypothesis> Localizer::State::found_now(const Now& now, LocalizerEstimate& out) {
-  SearchResult result = search->result();
-  std::vector<Hypothesis>& found = result.hypotheses;
+std::vector<JudgedPlace> Localizer::State::found_now(const Now& now, LocalizerEstimate& out) {
+  const SearchResult result = search->result();
   out.searched = true;
   ++d.searches;
-  out.found = found.size();
+  out.found = result.hypotheses.size();
   const Pose moved_since = relative(now.odometry, *d.searched_odometry);
   std::vector<Pose> places;
-  for (Hypothesis& h : found) places.push_back(h.pose = compose(h.pose, moved_since));
-  const std::vector<PlaceEvidence::Verdict> verdicts = judge.judge(places, now.odometry, now.beams);
-  for (std::size_t k = 0; k < found.size(); ++k)
-    found[k].evidence = verdicts[k].evidence, found[k].weight = verdicts[k].share;
-  std::stable_sort(found.begin(), found.end(),
-                   [](const Hypothesis& a, const Hypothesis& b) { return a.weight > b.weight; });
-  return std::move(found);
+  for (const Hypothesis& h : result.hypotheses) places.push_back(compose(h.pose, moved_since));
+  std::vector<JudgedPlace> found = judge.judge(places, now.odometry, now.beams);
+  sort_by_share(found);
+  return found;
 }
 
 /// What the filter stands for, moved to where the robot is by the odometry.
@@ -179,16 +177,17 @@ std::vector<Mode> Localizer::State::modes_at(const Pose& odometry) const {
 
 /// Puts the particles where the scans say that the robot may be. Some stay where they are, if that was a
 /// place.
-void Localizer::State::put_at(std::vector<Hypothesis> found, const Now& now) {
-  d.settled = found[0].weight >= kNoDoubt;
+void Localizer::State::put_at(std::vector<JudgedPlace> found, const Now& now) {
+  d.settled = found[0].share >= kNoDoubt;
   if (d.settled) found.resize(1);
   const double equal = 1.0 / static_cast<double>(found.size());
   std::vector<PoseGuess> guesses;
-  for (const Hypothesis& h : found)
-    guesses.push_back({h.pose, kFoundSigma_m, kFoundSigma_rad, std::max(h.weight, kLeastShare * equal)});
+  for (const JudgedPlace& place : found)
+    guesses.push_back(
+        {place.pose, kFoundSigma_m, kFoundSigma_rad, std::max(place.share, kLeastShare * equal)});
   if (d.placed && filter.odometry()) {
     for (const Mode& mode : modes_at(now.odometry)) {
-      const auto again = [&](const Hypothesis& h) { return same_place(mode.pose, h.pose); };
+      const auto again = [&](const JudgedPlace& place) { return same_place(mode.pose, place.pose); };
       if (std::any_of(found.begin(), found.end(), again)) continue;
       guesses.push_back({mode.pose, kModeSigma_m, kModeSigma_rad, kLeastShare * mode.weight});
       d.settled = false;
@@ -205,15 +204,15 @@ void Localizer::State::put_at(std::vector<Hypothesis> found, const Now& now) {
 
 /// Whether another place explains the scan of the search, too. If so, it gets its share of the particles; if
 /// not, and the filter has made up its mind, that is settled.
-void Localizer::State::look_for_others(const std::vector<Hypothesis>& found, const Now& now) {
+void Localizer::State::look_for_others(const std::vector<JudgedPlace>& found, const Now& now) {
   const std::vector<Mode> modes = modes_at(now.odometry);
   std::vector<PoseGuess> others;
   double elsewhere = 0.0;
-  for (const Hypothesis& h : found) {
-    const auto known = [&](const Mode& mode) { return same_place(mode.pose, h.pose); };
-    if (h.weight < kNoMatter || std::any_of(modes.begin(), modes.end(), known)) continue;
-    others.push_back({h.pose, kFoundSigma_m, kFoundSigma_rad, h.weight});
-    elsewhere += h.weight;
+  for (const JudgedPlace& place : found) {
+    const auto known = [&](const Mode& mode) { return same_place(mode.pose, place.pose); };
+    if (place.share < kNoMatter || std::any_of(modes.begin(), modes.end(), known)) continue;
+    others.push_back({place.pose, kFoundSigma_m, kFoundSigma_rad, place.share});
+    elsewhere += place.share;
   }
   if (others.empty()) {
     d.settled = !found.empty() && !modes.empty() && modes[0].weight >= 1.0 - kNoMatter;
@@ -230,19 +229,19 @@ void Localizer::State::go_on_searching(const Now& now, LocalizerEstimate& out) {
   if (!search || !search->under_way()) return;
   if (d.settled && !d.doubt) return search->cancel();  // some bad scans, and it fits again
   if (!search->advance(d.placed ? slice_of(now) : kAllWork)) return;
-  std::vector<Hypothesis> found = found_now(now, out);
+  std::vector<JudgedPlace> found = found_now(now, out);
   const bool was_sure = d.settled || d.was_settled;
   if (!d.placed) {
     if (!found.empty()) put_at(std::move(found), now);
   } else if (!was_sure && !d.lost) {
     look_for_others(found, now);
   } else if (!was_sure) {
-    if (!found.empty() && found[0].evidence >= kFits) put_at(std::move(found), now);
+    if (!found.empty() && found[0].fits()) put_at(std::move(found), now);
   } else {
-    const auto here = [&](const Hypothesis& h) {
-      return d.tracked && same_place(h.pose, compose(*d.tracked, relative(now.odometry, *filter.odometry())));
+    const auto is_here = [&](const Pose& pose) {
+      return d.tracked && same_place(pose, compose(*d.tracked, relative(now.odometry, *filter.odometry())));
     };
-    if (!found.empty() && found[0].evidence >= kFits && here(found[0])) return d.monitor.accept();
+    if (!found.empty() && found[0].fits() && is_here(found[0].pose)) return d.monitor.accept();
     d.rivals.begin(found, search->result().candidates, now.odometry);
   }
 }
@@ -252,7 +251,7 @@ void Localizer::State::weigh_rivals(const Now& now) {
   if (d.rivals.empty()) return;
   d.rivals.follow(now.odometry);
   if (d.rivals.empty() || !judge.remember(now.odometry, now.beams)) return;
-  std::vector<Hypothesis> paid =
+  std::vector<JudgedPlace> paid =
       d.rivals.weigh(modes_at(now.odometry), now.beams, judge, near_by(), config.localize.carried_per_hour);
   if (!paid.empty()) put_at(std::move(paid), now);
 }
@@ -264,12 +263,12 @@ void Localizer::State::drop_refuted(const Now& now) {
   if (modes.size() < 2 || now.beams.count == 0) return;
   std::vector<Pose> places;
   for (const Mode& mode : modes) places.push_back(mode.pose);
-  const std::vector<PlaceEvidence::Verdict> verdicts = judge.judge(places, now.odometry, now.beams);
+  const std::vector<JudgedPlace> judged = judge.judge(places, now.odometry, now.beams);
   double best = 0.0;
-  for (const PlaceEvidence::Verdict& v : verdicts) best = std::max(best, v.share);
+  for (const JudgedPlace& place : judged) best = std::max(best, place.share);
   std::vector<PoseGuess> left;
   for (std::size_t k = 0; k < modes.size(); ++k)
-    if (verdicts[k].share >= kNoMatter * best)
+    if (judged[k].share >= kNoMatter * best)
       left.push_back({modes[k].pose, kModeSigma_m, kModeSigma_rad, modes[k].weight});
   if (left.size() == modes.size()) return;
   filter.relocate(left, now.odometry);
@@ -280,7 +279,7 @@ void Localizer::State::drop_refuted(const Now& now) {
 bool Localizer::State::fits_again(const Now& now) {
   if (!d.was_settled || !filter.odometry()) return false;
   const std::vector<Mode> modes = modes_at(now.odometry);
-  return !modes.empty() && judge.evidence(now.beams, modes[0].pose) >= kFits;
+  return !modes.empty() && judge.fits(now.beams, modes[0].pose);
 }
 
 /// If the scan fits the prediction badly, the wheels may have slipped: what explains it near by is proposed
@@ -296,7 +295,7 @@ void Localizer::State::look_for_slips(const Now& now) {
   const double sigma_m = kSlipSigma_m + kSlipGrowth_m * d.since_well_m;
   const double sigma_rad = kSlipSigma_rad + kSlipGrowth_rad * d.since_well_m;
   const auto found = near_by().look(now.beams, expected, {kReachSigmas * sigma_m, kReachSigmas * sigma_rad});
-  if (!found || worth * (found->evidence - here) < -portable_log64(odds)) return;
+  if (!found || worth * (judge.evidence(now.beams, found->pose) - here) < -portable_log64(odds)) return;
   const Pose back = inverse(motion);
   filter.propose({compose(found->pose, back), kModeSigma_m, kModeSigma_rad}, kSlipShare,
                  {*d.tracked, sigma_m, sigma_rad, odds});
@@ -317,11 +316,15 @@ void Localizer::State::watch(const Now& now, LocalizerEstimate& out) {
   const PoseEstimate& heaviest = out.filter.cluster;
   const BeamTable& beams = filter.last_beams();
   const double novel = d.novelty.add(now.odometry, now.elapsed_s, beams);
-  const double evidence = judge.evidence(beams, heaviest.mean);
-  d.last = d.monitor.update({evidence, judge.attainable(), heaviest.weight, novel});
+  d.missing.add(beams, novel);
+  judge.set_lost(d.missing.share());
+  const JudgedPlace here{heaviest.mean, judge.evidence(beams, heaviest.mean), judge.attainable()};
+  const WallGeometry walls = wall_geometry(beams, judge.expected_m(), filter.map().resolution_m);
+  add(map_error(walls, heaviest.mean.theta_rad, filter.map().resolution_m), out.filter.covariance);
+  d.last = d.monitor.update({here.evidence, here.attainable, heaviest.weight, novel});
   const double moved_m = d.tracked ? distance_m(*d.tracked, heaviest.mean) : 0.0;
   d.tracked = heaviest.mean;
-  d.since_well_m = evidence >= kFits ? 0.0 : d.since_well_m + moved_m;
+  d.since_well_m = here.fits() ? 0.0 : d.since_well_m + moved_m;
   d.lost = d.last.state == HealthState::lost;
   const bool doubted = std::exchange(d.doubt, d.last.log_odds < 0.0);
   if (d.lost && d.settled) d.settled = false, d.was_settled = true;

@@ -15,6 +15,11 @@ constexpr Separation kApart{0.3, 0.3};
 
 }  // namespace
 
+void sort_by_share(std::vector<JudgedPlace>& places) {
+  std::stable_sort(places.begin(), places.end(),
+                   [](const JudgedPlace& a, const JudgedPlace& b) { return a.share > b.share; });
+}
+
 PlaceEvidence::PlaceEvidence(const GridMap& map, double effective_beams)
     : evidence_(map), T_map_grid_(map.T_map_grid), effective_beams_(effective_beams) {}
 
@@ -36,27 +41,35 @@ double PlaceEvidence::worth() const {
 }
 
 double PlaceEvidence::evidence(const BeamTable& beams, const Pose& pose_in_map) {
-  return evidence_.per_beam(beams, relative(pose_in_map, T_map_grid_));
+  return evidence_.per_beam(beams, relative(pose_in_map, T_map_grid_), lost_);
 }
 
-std::vector<PlaceEvidence::Verdict> PlaceEvidence::judge(const std::vector<Pose>& places_in_map,
-                                                         const Pose& odometry, const BeamTable& beams) {
-  const double scans = static_cast<double>(scans_.size() + 1);
-  std::vector<Verdict> verdicts;
+bool PlaceEvidence::fits(const BeamTable& beams, const Pose& pose_in_map) {
+  const double says = evidence(beams, pose_in_map);
+  return JudgedPlace{pose_in_map, says, attainable()}.fits();
+}
+
+std::vector<JudgedPlace> PlaceEvidence::judge(const std::vector<Pose>& places_in_map, const Pose& odometry,
+                                              const BeamTable& beams) {
+  const double per_scan = 1.0 / static_cast<double>(scans_.size() + 1);
+  std::vector<JudgedPlace> judged;
   for (const Pose& place : places_in_map) {
-    double sum = evidence(beams, place);
-    for (const Remembered& then : scans_)
-      sum += evidence(then.beams, compose(place, relative(then.odometry, odometry)));
-    verdicts.push_back({sum / scans, 0.0});
+    JudgedPlace& j = judged.emplace_back(JudgedPlace{place, evidence(beams, place), attainable()});
+    for (const Remembered& then : scans_) {
+      j.evidence += evidence(then.beams, compose(place, relative(then.odometry, odometry)));
+      j.attainable += attainable();
+    }
+    j.evidence *= per_scan;
+    j.attainable *= per_scan;
   }
-  double best = verdicts.empty() ? 0.0 : verdicts[0].evidence, total = 0.0;
-  for (const Verdict& v : verdicts) best = std::max(best, v.evidence);
-  for (Verdict& v : verdicts) {
-    v.share = portable_exp(static_cast<float>(worth() * (v.evidence - best)));
-    total += v.share;
+  double best = judged.empty() ? 0.0 : judged[0].evidence, total = 0.0;
+  for (const JudgedPlace& j : judged) best = std::max(best, j.evidence);
+  for (JudgedPlace& j : judged) {
+    j.share = portable_exp(static_cast<float>(worth() * (j.evidence - best)));
+    total += j.share;
   }
-  for (Verdict& v : verdicts) v.share /= total;
-  return verdicts;
+  for (JudgedPlace& j : judged) j.share /= total;
+  return judged;
 }
 
 }  // namespace parloc

@@ -8,9 +8,7 @@
 namespace parloc {
 namespace {
 
-/// Evidence of a scan at a place where it may have been taken [nat per beam], and the least share of the
-/// belief.
-constexpr double kFits = 1.0, kNoMatter = 0.01;
+constexpr double kNoMatter = 0.01;  ///< Share of the belief.
 /// Scans that must speak for a place besides the one that it was found by.
 constexpr std::size_t kOwnScans = 2;
 /// A carrying away is looked for this far back.
@@ -21,10 +19,10 @@ constexpr SlipSearch::Reach kDrift{0.2, 0.1};
 
 }  // namespace
 
-void Rivals::begin(const std::vector<Hypothesis>& found, std::size_t places, const Pose& odometry) {
+void Rivals::begin(const std::vector<JudgedPlace>& found, std::size_t places, const Pose& odometry) {
   clear();
-  for (const Hypothesis& h : found)
-    if (h.weight >= kNoMatter && h.evidence >= kFits) poses_.push_back(h.pose);
+  for (const JudgedPlace& place : found)
+    if (place.share >= kNoMatter && place.fits()) poses_.push_back(place.pose);
   odometry_ = found_ = odometry;
   places_ = places;
 }
@@ -36,32 +34,28 @@ void Rivals::follow(const Pose& odometry) {
   if (distance_m(found_, odometry) > kUndecided_m) clear();
 }
 
-std::vector<Hypothesis> Rivals::weigh(const std::vector<Mode>& tracked, const BeamTable& beams,
-                                      PlaceEvidence& judge, SlipSearch& near_by, double carried_per_hour) {
+std::vector<JudgedPlace> Rivals::weigh(const std::vector<Mode>& tracked, const BeamTable& beams,
+                                       PlaceEvidence& judge, SlipSearch& near_by, double carried_per_hour) {
   ++scans_;
   for (Pose& pose : poses_)
     if (const auto better = near_by.look(beams, pose, kDrift)) pose = better->pose;
   std::vector<Pose> places = poses_;
   for (const Mode& mode : tracked) places.push_back(mode.pose);
-  const std::vector<PlaceEvidence::Verdict> verdicts = judge.judge(places, odometry_, beams);
+  const std::vector<JudgedPlace> judged = judge.judge(places, odometry_, beams);
   double here = -std::numeric_limits<double>::infinity(), best = 0.0;
-  for (std::size_t k = 0; k < places.size(); ++k) {
-    if (k >= poses_.size()) here = std::max(here, verdicts[k].evidence);
-    best = std::max(best, verdicts[k].share);
+  for (std::size_t k = 0; k < judged.size(); ++k) {
+    if (k >= poses_.size()) here = std::max(here, judged[k].evidence);
+    best = std::max(best, judged[k].share);
   }
   const double price = portable_log64(3600.0 / (carried_per_hour * kLookBack_s)) +
                        portable_log64(1.0 + static_cast<double>(places_));
-  std::vector<Hypothesis> paid;
+  std::vector<JudgedPlace> paid;
   for (std::size_t k = 0; k < poses_.size() && scans_ >= kOwnScans; ++k) {
-    const PlaceEvidence::Verdict& v = verdicts[k];
-    if (judge.worth() * (v.evidence - here) < price || v.evidence < kFits || v.share < kNoMatter * best)
-      continue;
-    Hypothesis h;
-    h.pose = poses_[k], h.evidence = v.evidence, h.weight = v.share;
-    paid.push_back(h);
+    const JudgedPlace& place = judged[k];
+    const bool pays = judge.worth() * (place.evidence - here) >= price;
+    if (pays && place.fits() && place.share >= kNoMatter * best) paid.push_back(place);
   }
-  std::stable_sort(paid.begin(), paid.end(),
-                   [](const Hypothesis& a, const Hypothesis& b) { return a.weight > b.weight; });
+  sort_by_share(paid);
   return paid;
 }
 

@@ -9,7 +9,6 @@
 #include "common/localize/slip_search.h"
 #include "common/math/pose.h"
 #include "common/model/beams.h"
-#include "common/search/global_search.h"
 
 namespace parloc {
 
@@ -23,13 +22,13 @@ class Rivals {
   bool empty() const { return poses_.empty(); }
 
   /// Takes those of a search that explain their scan. `places`: how many it had to choose from.
-  void begin(const std::vector<Hypothesis>& found, std::size_t places, const Pose& odometry);
+  void begin(const std::vector<JudgedPlace>& found, std::size_t places, const Pose& odometry);
   /// Moves them by the odometry. After some metres without a decision they are given up.
   void follow(const Pose& odometry);
   /// With a scan that `judge` has just remembered: those that have paid the price, the most likely first,
   /// with their evidence and their shares. `tracked` are the places that the filter stands for.
-  std::vector<Hypothesis> weigh(const std::vector<Mode>& tracked, const BeamTable& beams,
-                                PlaceEvidence& judge, SlipSearch& near_by, double carried_per_hour);
+  std::vector<JudgedPlace> weigh(const std::vector<Mode>& tracked, const BeamTable& beams,
+                                 PlaceEvidence& judge, SlipSearch& near_by, double carried_per_hour);
 
  private:
   std::vector<Pose> poses_;  // where the robot would be now

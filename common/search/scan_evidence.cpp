@@ -99,7 +99,7 @@ std::size_t ScanEvidence::learn(float range_max_m, std::size_t places) {
   return 0;
 }
 
-double ScanEvidence::per_beam(const BeamTable& beams, const Pose& pose_in_grid) {
+double ScanEvidence::per_beam(const BeamTable& beams, const Pose& pose_in_grid, double lost) {
   attainable_ = 0.0;
   if (beams.count == 0) return 0.0;
   (void)learn(beams.range_max_m, anywhere_x_m_.size());
@@ -110,14 +110,20 @@ double ScanEvidence::per_beam(const BeamTable& beams, const Pose& pose_in_grid) 
     return static_cast<double>(beam.log_hit(measured_m, expected_m) -
                                chance.log_hit[bin_of(measured_m, chance.range_max_m)]);
   };
+  const auto or_lost = [p = static_cast<float>(lost)](float log_miss) {
+    return p > 0.0f ? portable_log(p + (1.0f - p) * portable_exp(log_miss)) : log_miss;
+  };
+  const float anywhere_miss = or_lost(chance.log_miss);
   const auto miss = [&](float expected_m) {
-    return static_cast<double>(beam.log_miss(expected_m) - chance.log_miss);
+    return static_cast<double>(or_lost(beam.log_miss(expected_m)) - anywhere_miss);
   };
   double sum = 0.0, most = 0.0;
   for (std::size_t m = 0; m < beams.count; ++m) {
     const float measured_m = beams.range_m[m], expected_m = expected_m_[m];
     sum += m < beams.hits ? hit(measured_m, expected_m) : miss(expected_m);
-    most += expected_m < chance.range_max_m ? hit(expected_m, expected_m) : miss(expected_m);
+    const bool in_reach = expected_m < chance.range_max_m;
+    most += in_reach ? (1.0 - lost) * hit(expected_m, expected_m) : miss(expected_m);
+    if (in_reach && lost > 0.0) most += lost * miss(expected_m);
   }
   attainable_ = most / static_cast<double>(beams.count);
   return sum / static_cast<double>(beams.count);

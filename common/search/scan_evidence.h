@@ -24,7 +24,8 @@ class ScanEvidence {
   /// Mean over the beams, hits and misses, of the logarithm of the ratio [nat]: about 1 to 2 where the robot
   /// is, below 0 where it is not. 0 for a scan without beams. Of a range_max_m that is not known yet the
   /// first call takes milliseconds. Deterministic on every machine.
-  double per_beam(const BeamTable& beams, const Pose& pose_in_grid);
+  /// `lost`: share of the beams that see nothing wherever they look, so that those who do say less.
+  double per_beam(const BeamTable& beams, const Pose& pose_in_grid, double lost = 0.0);
   /// Becomes ready for LiDARs that reach so far [m], by at most so many of the random places that are gone
   /// through for it. Returns how many are left: 0 when it is ready. What it learns is the same however it is
   /// sliced.
