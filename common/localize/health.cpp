@@ -1,8 +1,10 @@
 #include "common/localize/health.h"
 
 #include <algorithm>
+#include <cmath>
 
 #include "common/math/portable.h"
+#include "common/math/portable64.h"
 
 namespace parloc {
 namespace {
@@ -27,11 +29,32 @@ constexpr double kOffset = 0.0, kSlope = 1.0;
 
 constexpr double kLost = 0.05, kFound = 0.5;  // apart, so that it does not flicker
 constexpr double kOnePlace = 0.8;             // share of the weight that is one place
+constexpr double kCloseEnough = 0.5;          // of an estimate that says where the robot is
+
+constexpr double kNear_m = 0.5, kNear_rad = 10.0 * kPi / 180.0;
+
+/// That a normal deviate of this variance is no farther off, by the error function of Abramowitz and Stegun
+/// 7.1.26 (1.5e-7).
+double central_probability(double most, double variance) {
+  if (!(variance > 0.0)) return variance == 0.0 ? 1.0 : 0.0;
+  const double x = most / std::sqrt(2.0 * variance), t = 1.0 / (1.0 + 0.3275911 * x);
+  const double p =
+      ((((1.061405429 * t - 1.453152027) * t + 1.421413741) * t - 0.284496736) * t + 0.254829592) * t;
+  return 1.0 - p * portable_exp64(-x * x);
+}
 
 }  // namespace
 
 const char* name_of(HealthState state) {
   return state == HealthState::tracking ? "tracking" : state == HealthState::ambiguous ? "ambiguous" : "lost";
+}
+
+double probability_within(const Covariance& covariance) {
+  const double* v = covariance.v;
+  const double mean = 0.5 * (v[0] + v[4]), half = 0.5 * (v[0] - v[4]);
+  const double apart = std::sqrt(half * half + v[1] * v[1]);
+  return central_probability(kNear_m, mean + apart) *
+         central_probability(kNear_m, std::max(mean - apart, 0.0)) * central_probability(kNear_rad, v[8]);
 }
 
 void HealthMonitor::reset(double log_odds) {
@@ -59,10 +82,11 @@ Health HealthMonitor::update(const ScanFit& fit) {
   const double logit = kOffset + kSlope * log_odds_;
   const double fits = 1.0 / (1.0 + static_cast<double>(portable_exp(static_cast<float>(-logit))));
   lost_ = lost_ ? fits < kFound : fits < kLost;
-  const HealthState state = lost_                   ? HealthState::lost
-                            : fit.share < kOnePlace ? HealthState::ambiguous
-                                                    : HealthState::tracking;
-  return {fits * fit.share, evidence_, log_odds_, state};
+  const bool one_place = fit.share >= kOnePlace && fit.within >= kCloseEnough;
+  const HealthState state = lost_       ? HealthState::lost
+                            : one_place ? HealthState::tracking
+                                        : HealthState::ambiguous;
+  return {fits * fit.share * fit.within, evidence_, log_odds_, state};
 }
 
 }  // namespace parloc

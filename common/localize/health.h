@@ -1,6 +1,8 @@
 // Whether a filter is where it says: from how its scans fit, and from whether it has made up its mind.
 #pragma once
 
+#include "common/filter/pose_filter.h"
+
 namespace parloc {
 
 enum class HealthState {
@@ -23,7 +25,12 @@ struct ScanFit {
   double attainable = 2.5;  ///< What it could be there (ScanEvidence).
   double share = 0.0;       ///< Weight of the particles around that pose, 0 to 1.
   double novelty = 1.0;     ///< Of the scan (ScanNovelty).
+  double within = 1.0;      ///< Probability that the pose is close enough, by its covariance.
 };
+
+/// Probability that a pose with this covariance is within 0.5 m and 10 degrees: little along a corridor whose
+/// ends were not seen for long.
+double probability_within(const Covariance& covariance);
 
 /// Follows one filter: adds up what independent scans say for and against its place, whatever time they take.
 /// What a single scan can say is bounded, and so is what a place can earn: one that was right for long is not
@@ -38,8 +45,8 @@ class HealthMonitor {
   /// moved shelves.
   double typical() const { return typical_; }
 
-  /// After a scan was weighed. The probability is that of the scans, calibrated (docs/localize.md), times the
-  /// share.
+  /// After a scan was weighed. The probability is that of the scans, calibrated (docs/results/health.md),
+  /// times the share, times `within`.
   Health update(const ScanFit& fit);
 
  private:

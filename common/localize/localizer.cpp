@@ -30,13 +30,8 @@ constexpr double kUnsettled = 0.7;
 constexpr double kSame_m = 1.0, kSame_rad = 0.5;
 
 /// A start that was given is believed, about; a place that the search has chosen has to show itself.
-constexpr double kGivenLogOdds = 2.0, kFoundLogOdds = 0.5;
+constexpr double kGivenLogOdds = 2.0, kFoundLogOdds = 0.5, kTrusted = 5.0;
 
-/// Wheels slip about so often, by as much; the farther since all was well, the farther off it may be.
-constexpr double kSlipsPer_s = 1.0 / 60.0, kLeastSlipOdds = 0.002, kMostSlipOdds = 0.2;
-constexpr double kSlipSigma_m = 0.3, kSlipSigma_rad = 0.2;
-constexpr double kSlipGrowth_m = 0.05, kSlipGrowth_rad = 0.02;  ///< Per metre since all was well.
-constexpr double kReachSigmas = 3.5;                            ///< How far is looked.
 constexpr double kSlipShare = 0.25;  ///< Of the particles, for what is found there.
 
 /// Work of a slice of the search (search_work.h), 2 to 3 ns each on a core: the longer the time between
@@ -99,6 +94,8 @@ struct Localizer::State {
     bool lost = true;                       // search
     bool doubt = false;                     // more speaks against it than for it, since a little while
     bool settled = false;                   // else there may be other places, as good as the filter's
+    bool found = false;                     // it is where a search has put it, and has not shown itself yet
+    std::size_t refuted = 0;                // places in a row that did not: perhaps it is nowhere on this map
     bool was_settled = false;               // until it was lost; no search has found another place since
     std::optional<Pose> searched_odometry;  // where the last search began
     double since_search_s = 0.0;
@@ -194,6 +191,8 @@ void Localizer::State::put_at(std::vector<JudgedPlace> found, const Now& now) {
     }
   }
   filter.relocate(guesses, now.odometry);
+  if (d.found) ++d.refuted;
+  d.found = true;
   d.was_settled = false;
   d.monitor.reset(kFoundLogOdds);
   d.tracked.reset();
@@ -289,16 +288,13 @@ void Localizer::State::look_for_slips(const Now& now) {
   const Pose motion = relative(now.odometry, *filter.odometry());
   const Pose expected = compose(*d.tracked, motion);
   const double worth = config.search.effective_beams;
-  const double odds = std::clamp(now.elapsed_s * kSlipsPer_s, kLeastSlipOdds, kMostSlipOdds);
+  const SlipPrior slip = slip_prior(*d.tracked, now.elapsed_s, d.since_well_m);
   const double here = judge.evidence(now.beams, expected);
-  if (worth * (d.monitor.typical() * judge.attainable() - here) < -portable_log64(odds)) return;
-  const double sigma_m = kSlipSigma_m + kSlipGrowth_m * d.since_well_m;
-  const double sigma_rad = kSlipSigma_rad + kSlipGrowth_rad * d.since_well_m;
-  const auto found = near_by().look(now.beams, expected, {kReachSigmas * sigma_m, kReachSigmas * sigma_rad});
-  if (!found || worth * (judge.evidence(now.beams, found->pose) - here) < -portable_log64(odds)) return;
+  if (worth * (d.monitor.typical() * judge.attainable() - here) < -portable_log64(slip.odds)) return;
+  const auto found = near_by().look(now.beams, expected, reach_of(slip));
+  if (!found || worth * (judge.evidence(now.beams, found->pose) - here) < -portable_log64(slip.odds)) return;
   const Pose back = inverse(motion);
-  filter.propose({compose(found->pose, back), kModeSigma_m, kModeSigma_rad}, kSlipShare,
-                 {*d.tracked, sigma_m, sigma_rad, odds});
+  filter.propose({compose(found->pose, back), kModeSigma_m, kModeSigma_rad}, kSlipShare, slip);
 }
 
 /// Before a scan is weighed: whether there are other places where the robot may be.
@@ -321,7 +317,8 @@ void Localizer::State::watch(const Now& now, LocalizerEstimate& out) {
   const JudgedPlace here{heaviest.mean, judge.evidence(beams, heaviest.mean), judge.attainable()};
   const WallGeometry walls = wall_geometry(beams, judge.expected_m(), filter.map().resolution_m);
   add(map_error(walls, heaviest.mean.theta_rad, filter.map().resolution_m), out.filter.covariance);
-  d.last = d.monitor.update({here.evidence, here.attainable, heaviest.weight, novel});
+  const double within = probability_within(out.filter.covariance);
+  d.last = d.monitor.update({here.evidence, here.attainable, heaviest.weight, novel, within});
   const double moved_m = d.tracked ? distance_m(*d.tracked, heaviest.mean) : 0.0;
   d.tracked = heaviest.mean;
   d.since_well_m = here.fits() ? 0.0 : d.since_well_m + moved_m;
@@ -333,6 +330,8 @@ void Localizer::State::watch(const Now& now, LocalizerEstimate& out) {
   // From where the doubt began: it may have been put somewhere else.
   if ((d.settled && !d.doubt) || (d.doubt && !doubted)) judge.forget();
   if ((!d.settled || d.doubt) && d.rivals.empty()) judge.remember(now.odometry, beams);
+  if (d.settled && d.last.log_odds >= kTrusted) d.found = false, d.refuted = 0;
+  d.last.probability /= 1.0 + static_cast<double>(d.refuted);
   if (d.settled || !config.localize.recover) return;
   d.last.probability *= kUnsettled;
   if (d.last.state == HealthState::tracking) d.last.state = HealthState::ambiguous;

@@ -1,5 +1,7 @@
 #include "common/localize/slip_search.h"
 
+#include <algorithm>
+
 #include "common/error.h"
 
 namespace parloc {
@@ -18,7 +20,23 @@ SearchConfig near_by(const SearchConfig& whole) {
   return c;
 }
 
+/// Wheels slip about so often, by as much; the farther since all was well, the farther off it may be.
+constexpr double kSlipsPer_s = 1.0 / 60.0, kLeastSlipOdds = 0.002, kMostSlipOdds = 0.2;
+constexpr double kSlipSigma_m = 0.3, kSlipSigma_rad = 0.2;
+constexpr double kSlipGrowth_m = 0.05, kSlipGrowth_rad = 0.02;  ///< Per metre since all was well.
+constexpr double kReachSigmas = 3.5;                            ///< How far is looked.
+
 }  // namespace
+
+SlipSearch::Reach reach_of(const SlipPrior& slip) {
+  return {kReachSigmas * slip.sigma_m, kReachSigmas * slip.sigma_rad};
+}
+
+SlipPrior slip_prior(const Pose& tracked, double elapsed_s, double since_well_m) {
+  return {tracked, kSlipSigma_m + kSlipGrowth_m * since_well_m,
+          kSlipSigma_rad + kSlipGrowth_rad * since_well_m,
+          std::clamp(elapsed_s * kSlipsPer_s, kLeastSlipOdds, kMostSlipOdds)};
+}
 
 SlipSearch::SlipSearch(const GridMap& map, const SearchConfig& config, const ComputeConfig& compute,
                        const GlobalSearch* whole)

@@ -5,6 +5,7 @@
 #include <optional>
 
 #include "common/filter/compute_config.h"
+#include "common/filter/pose_guess.h"
 #include "common/map/grid_map.h"
 #include "common/model/beams.h"
 #include "common/search/global_search.h"
@@ -30,5 +31,10 @@ class SlipSearch {
  private:
   GlobalSearch search_;
 };
+
+/// The farther the robot has come since all was well, the farther off it may be.
+SlipPrior slip_prior(const Pose& tracked, double elapsed_s, double since_well_m);
+/// How far is looked.
+SlipSearch::Reach reach_of(const SlipPrior& slip);
 
 }  // namespace parloc
