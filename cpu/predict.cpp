@@ -10,12 +10,13 @@ void FilterStages::predict(const PredictArgs& args, Queue& workers) {
     float* __restrict x = p.x;
     float* __restrict y = p.y;
     float* __restrict theta = p.theta;
+    const auto noise = [=](std::size_t i) PARLOC_SIMD_LOOP {
+      return motion_noise(static_cast<std::uint32_t>(i), key.step, key.seed);
+    };
     if (motion.omni != 0)  // Asked once: a loop of one form is the faster one.
-      for (std::size_t i = begin; i < end; ++i)
-        predict_omni(x[i], y[i], theta[i], motion, static_cast<std::uint32_t>(i), key.step, key.seed);
+      for (std::size_t i = begin; i < end; ++i) predict_omni(x[i], y[i], theta[i], motion, noise(i));
     else
-      for (std::size_t i = begin; i < end; ++i)
-        predict_differential(x[i], y[i], theta[i], motion, static_cast<std::uint32_t>(i), key.step, key.seed);
+      for (std::size_t i = begin; i < end; ++i) predict_differential(x[i], y[i], theta[i], motion, noise(i));
     if (widens(motion))
       for (std::size_t i = begin; i < end; ++i)
         spread_one(x[i], y[i], theta[i], motion, static_cast<std::uint32_t>(i), key.step, key.seed);

@@ -48,10 +48,13 @@ inline MotionStep motion_step(const OdometryIncrement& increment, const MotionCo
   return motion_step(Movement{increment}, config);
 }
 
-/// The motion of differential wheels: noise from stream `motion`, words -> rot1, trans, rot2 (SPEC 1.3).
-PARLOC_HD void predict_differential(float& x, float& y, float& theta, const MotionStep& m, std::uint32_t slot,
-                                    std::uint32_t step, std::uint64_t seed) {
-  const Normals n = normals(philox(slot, step, Stream::motion, 0, seed));
+/// A particle's noise: block 0 of stream `motion` (SPEC 1.3).
+PARLOC_HD Normals motion_noise(std::uint32_t slot, std::uint32_t step, std::uint64_t seed) {
+  return normals(philox(slot, step, Stream::motion, 0, seed));
+}
+
+/// The motion of differential wheels: words of the noise -> rot1, trans, rot2 (SPEC 1.3).
+PARLOC_HD void predict_differential(float& x, float& y, float& theta, const MotionStep& m, const Normals& n) {
   const float rot1 = fused(m.sigma_rot1, n.n[0], m.rot1);
   const float trans = fused(m.sigma_trans, n.n[1], m.trans);
   const float rot2 = fused(m.sigma_rot2, n.n[2], m.rot2);
@@ -62,9 +65,7 @@ PARLOC_HD void predict_differential(float& x, float& y, float& theta, const Moti
 }
 
 /// The omnidirectional motion (SPEC 1.5): words -> translation, rotation, sideways.
-PARLOC_HD void predict_omni(float& x, float& y, float& theta, const MotionStep& m, std::uint32_t slot,
-                            std::uint32_t step, std::uint64_t seed) {
-  const Normals n = normals(philox(slot, step, Stream::motion, 0, seed));
+PARLOC_HD void predict_omni(float& x, float& y, float& theta, const MotionStep& m, const Normals& n) {
   const float trans = fused(m.sigma_trans, n.n[0], m.trans);
   const float turn = fused(m.sigma_rot2, n.n[1], m.rot1 + m.rot2);
   const float strafe = m.sigma_strafe * n.n[2];
@@ -77,8 +78,9 @@ PARLOC_HD void predict_omni(float& x, float& y, float& theta, const MotionStep& 
 /// Moves one particle in the step's form.
 PARLOC_HD void predict_one(float& x, float& y, float& theta, const MotionStep& m, std::uint32_t slot,
                            std::uint32_t step, std::uint64_t seed) {
-  if (m.omni != 0) return predict_omni(x, y, theta, m, slot, step, seed);
-  predict_differential(x, y, theta, m, slot, step, seed);
+  const Normals n = motion_noise(slot, step, seed);
+  if (m.omni != 0) return predict_omni(x, y, theta, m, n);
+  predict_differential(x, y, theta, m, n);
 }
 
 PARLOC_HD bool widens(const MotionStep& m) {
