@@ -44,6 +44,10 @@ std::size_t bin_of(float range_m, float range_max_m) {
   return std::min(static_cast<std::size_t>(max_of(bin, 0.0f)), kBins - 1);
 }
 
+float middle_of(std::size_t bin, float range_max_m) {
+  return (static_cast<float>(bin) + 0.5f) * range_max_m / static_cast<float>(kBins);
+}
+
 /// A reach that is no number is one, too: it is learnt once like any other.
 bool same_reach(float a, float b) {
   return a == b || (a != a && b != b);
@@ -66,8 +70,8 @@ void ScanEvidence::add_place(std::size_t place) {
   const float expected_m =
       rays_.cast(anywhere_x_m_[place], anywhere_y_m_[place], anywhere_heading_rad_[place], range_max_m);
   for (std::size_t bin = 0; bin < kBins; ++bin) {
-    const float middle_m = (static_cast<float>(bin) + 0.5f) * range_max_m / static_cast<float>(kBins);
-    learning_.hit[bin] += static_cast<double>(portable_exp(beam.log_hit(middle_m, expected_m)));
+    const float range_m = middle_of(bin, range_max_m);
+    learning_.hit[bin] += static_cast<double>(portable_exp(beam.log_hit(range_m, expected_m)));
   }
   learning_.miss += static_cast<double>(portable_exp(beam.log_miss(expected_m)));
 }
@@ -76,8 +80,14 @@ ScanEvidence::Chance ScanEvidence::learnt_chance() const {
   const auto log_mean = [&](double sum) {
     return portable_log(static_cast<float>(sum / static_cast<double>(anywhere_x_m_.size())));
   };
-  Chance chance{learning_.range_max_m, std::vector<float>(kBins), log_mean(learning_.miss)};
-  std::transform(learning_.hit.begin(), learning_.hit.end(), chance.log_hit.begin(), log_mean);
+  const float range_max_m = learning_.range_max_m;
+  Chance chance{range_max_m, std::vector<float>(kBins), std::vector<float>(kBins), log_mean(learning_.miss)};
+  const Beam beam(range_max_m);
+  for (std::size_t bin = 0; bin < kBins; ++bin) {
+    const float range_m = middle_of(bin, range_max_m);
+    chance.log_hit[bin] = log_mean(learning_.hit[bin]);
+    chance.best[bin] = beam.log_hit(range_m, range_m) - chance.log_hit[bin];
+  }
   return chance;
 }
 
@@ -122,7 +132,8 @@ double ScanEvidence::per_beam(const BeamTable& beams, const Pose& pose_in_grid, 
     const float measured_m = beams.range_m[m], expected_m = expected_m_[m];
     sum += m < beams.hits ? hit(measured_m, expected_m) : miss(expected_m);
     const bool in_reach = expected_m < chance.range_max_m;
-    most += in_reach ? (1.0 - lost) * hit(expected_m, expected_m) : miss(expected_m);
+    const double best = static_cast<double>(chance.best[bin_of(expected_m, chance.range_max_m)]);
+    most += in_reach ? (1.0 - lost) * best : miss(expected_m);
     if (in_reach && lost > 0.0) most += lost * miss(expected_m);
   }
   attainable_ = most / static_cast<double>(beams.count);

@@ -43,6 +43,7 @@ class ScanEvidence {
   struct Chance {
     float range_max_m = 0.0f;
     std::vector<float> log_hit;  // log density by range, in equal bins up to range_max_m
+    std::vector<float> best;     // evidence of a beam that ends just where the map has its wall, likewise
     float log_miss = 0.0f;       // log probability
   };
   /// Sums of probabilities over the places that were gone through.

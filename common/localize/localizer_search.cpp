@@ -1,0 +1,198 @@
+// Where else the robot may be: what a localizer does when it does not know, or doubts.
+#include <algorithm>
+#include <cstdint>
+#include <limits>
+#include <utility>
+
+#include "common/localize/localizer_state.h"
+
+namespace parloc {
+namespace {
+
+/// Particles are put about a hypothesis with this spread: of the search's last refinement.
+constexpr double kFoundSigma_m = 0.07, kFoundSigma_rad = 0.035;
+/// No hypothesis gets fewer particles than this share of an equal part: a wrong ranking must be able to turn.
+constexpr double kLeastShare = 0.25;
+/// Shares of all that the search finds: from here on there is no doubt, and up to here none worth a particle.
+constexpr double kNoDoubt = 0.99, kNoMatter = 0.01;
+/// A hypothesis this close to a mode is the same place.
+constexpr double kSame_m = 1.0, kSame_rad = 0.5;
+
+/// Work of a slice of the search (search_work.h), 2 to 3 ns each on a core: the longer the time between
+/// scans, the more, but always some milliseconds.
+constexpr double kWorkPer_s = 4e7, kLeastSlice = 2e6, kMostSlice = 5e6;
+constexpr std::int64_t kAllWork = std::numeric_limits<std::int64_t>::max();
+constexpr double kSearchEvery_s = 2.0;  ///< Or sooner, if it has moved.
+
+bool same_place(const Pose& a, const Pose& b) {
+  return distance_m(a, b) < kSame_m && turn_rad(a, b) < kSame_rad;
+}
+
+std::int64_t slice_of(double elapsed_s) {
+  return static_cast<std::int64_t>(std::clamp(kWorkPer_s * elapsed_s, kLeastSlice, kMostSlice));
+}
+
+}  // namespace
+
+GlobalSearch& Localizer::State::whole_map() {
+  if (!search) search = std::make_unique<GlobalSearch>(filter.map(), config.search, config);
+  return *search;
+}
+
+SlipSearch& Localizer::State::near_by() {
+  if (!slips) {
+    ComputeConfig one = config;
+    one.threads = 1;  // less than a millisecond of work: to wake others takes as long
+    slips = std::make_unique<SlipSearch>(filter.map(), config.search, one, &whole_map());
+  }
+  return *slips;
+}
+
+bool Localizer::State::search_is_due(const Pose& odometry) const {
+  // With several guesses a scan is weighed before anything else is looked for.
+  if ((d.settled && !d.doubt) || (!d.lost && !filter.odometry())) return false;
+  if (d.placed && (!config.localize.recover || !d.rivals.empty())) return false;
+  return !d.searched_odometry || d.since_search_s >= kSearchEvery_s ||
+         distance_m(odometry, *d.searched_odometry) >= config.localize.search_every_m ||
+         turn_rad(odometry, *d.searched_odometry) >= config.localize.search_every_rad;
+}
+
+void Localizer::State::start_search(const Now& now) {
+  whole_map().begin(now.beams, d.prior);
+  d.searched_odometry = now.odometry;
+  d.since_search_s = 0.0;
+}
+
+/// Every place where the scan of the search may have been taken, moved to now and weighed by what is
+/// remembered, the most likely first.
+std::vector<JudgedPlace> Localizer::State::found_now(const Now& now, LocalizerEstimate& out) {
+  const SearchResult result = search->result();
+  out.searched = true;
+  ++d.searches;
+  out.found = result.hypotheses.size();
+  const Pose moved_since = relative(now.odometry, *d.searched_odometry);
+  std::vector<Pose> places;
+  for (const Hypothesis& h : result.hypotheses) places.push_back(compose(h.pose, moved_since));
+  std::vector<JudgedPlace> found = judge.judge(places, now.odometry, now.beams);
+  sort_by_share(found);
+  return found;
+}
+
+/// What the filter stands for, moved to where the robot is by the odometry.
+std::vector<Mode> Localizer::State::modes_at(const Pose& odometry) const {
+  const Pose moved = relative(odometry, *filter.odometry());
+  std::vector<Mode> modes = find_modes(filter.particles(), kLeastMode);
+  for (Mode& mode : modes) mode.pose = compose(mode.pose, moved);
+  return modes;
+}
+
+/// Puts the particles where the scans say that the robot may be. Some stay where they are, if that was a
+/// place.
+void Localizer::State::put_at(std::vector<JudgedPlace> found, const Now& now) {
+  d.settled = found[0].share >= kNoDoubt;
+  if (d.settled) found.resize(1);
+  const double equal = 1.0 / static_cast<double>(found.size());
+  std::vector<PoseGuess> guesses;
+  for (const JudgedPlace& place : found)
+    guesses.push_back(
+        {place.pose, kFoundSigma_m, kFoundSigma_rad, std::max(place.share, kLeastShare * equal)});
+  if (d.placed && filter.odometry()) {
+    for (const Mode& mode : modes_at(now.odometry)) {
+      const auto again = [&](const JudgedPlace& place) { return same_place(mode.pose, place.pose); };
+      if (std::any_of(found.begin(), found.end(), again)) continue;
+      guesses.push_back({mode.pose, kModeSigma_m, kModeSigma_rad, kLeastShare * mode.weight});
+      d.settled = false;
+    }
+  }
+  filter.relocate(guesses, now.odometry);
+  if (d.found) ++d.refuted;
+  d.found = true;
+  d.was_settled = false;
+  d.monitor.reset(kFoundLogOdds);
+  d.tracked.reset();
+  d.rivals.clear();
+  d.placed = true;
+  d.lost = false;
+}
+
+/// Whether another place explains the scan of the search, too. If so, it gets its share of the particles; if
+/// not, and the filter has made up its mind, that is settled.
+void Localizer::State::look_for_others(const std::vector<JudgedPlace>& found, const Now& now) {
+  const std::vector<Mode> modes = modes_at(now.odometry);
+  std::vector<PoseGuess> others;
+  double elsewhere = 0.0;
+  for (const JudgedPlace& place : found) {
+    const auto known = [&](const Mode& mode) { return same_place(mode.pose, place.pose); };
+    if (place.share < kNoMatter || std::any_of(modes.begin(), modes.end(), known)) continue;
+    others.push_back({place.pose, kFoundSigma_m, kFoundSigma_rad, place.share});
+    elsewhere += place.share;
+  }
+  if (others.empty()) {
+    d.settled = !found.empty() && !modes.empty() && modes[0].weight >= 1.0 - kNoMatter;
+    return;
+  }
+  for (const Mode& mode : modes)
+    others.push_back({mode.pose, kModeSigma_m, kModeSigma_rad, (1.0 - elsewhere) * mode.weight + 1e-6});
+  filter.relocate(others, now.odometry);
+  d.tracked.reset();
+}
+
+/// A slice of the search that is under way, if there is one, and what follows from what it has found.
+void Localizer::State::go_on_searching(const Now& now, LocalizerEstimate& out) {
+  if (!search || !search->under_way()) return;
+  if (d.settled && !d.doubt) return search->cancel();  // some bad scans, and it fits again
+  if (!search->advance(d.placed ? slice_of(now.elapsed_s) : kAllWork)) return;
+  std::vector<JudgedPlace> found = found_now(now, out);
+  const bool was_sure = d.settled || d.was_settled;
+  if (!d.placed) {
+    if (!found.empty()) put_at(std::move(found), now);
+  } else if (!was_sure && !d.lost) {
+    look_for_others(found, now);
+  } else if (!was_sure) {
+    if (!found.empty() && found[0].fits()) put_at(std::move(found), now);
+  } else {
+    const auto is_here = [&](const Pose& pose) {
+      return d.tracked && same_place(pose, compose(*d.tracked, relative(now.odometry, *filter.odometry())));
+    };
+    if (!found.empty() && found[0].fits() && is_here(found[0].pose)) return d.monitor.accept();
+    d.rivals.begin(found, search->result().candidates, now.odometry);
+  }
+}
+
+/// Whether the scans since pay for another place.
+void Localizer::State::weigh_rivals(const Now& now) {
+  if (d.rivals.empty()) return;
+  d.rivals.follow(now.odometry);
+  if (d.rivals.empty() || !judge.remember(now.odometry, now.beams)) return;
+  std::vector<JudgedPlace> paid =
+      d.rivals.weigh(modes_at(now.odometry), now.beams, judge, near_by(), config.localize.carried_per_hour);
+  if (!paid.empty()) put_at(std::move(paid), now);
+}
+
+/// Of several places, those that the walls speak against lose their particles, before the scan is weighed:
+/// the filter's model may see where the beams end only, and not what they went through.
+void Localizer::State::drop_refuted(const Now& now) {
+  const std::vector<Mode> modes = modes_at(now.odometry);
+  if (modes.size() < 2 || now.beams.count == 0) return;
+  std::vector<Pose> places;
+  for (const Mode& mode : modes) places.push_back(mode.pose);
+  const std::vector<JudgedPlace> judged = judge.judge(places, now.odometry, now.beams);
+  double best = 0.0;
+  for (const JudgedPlace& place : judged) best = std::max(best, place.share);
+  std::vector<PoseGuess> left;
+  for (std::size_t k = 0; k < modes.size(); ++k)
+    if (judged[k].share >= kNoMatter * best)
+      left.push_back({modes[k].pose, kModeSigma_m, kModeSigma_rad, modes[k].weight});
+  if (left.size() == modes.size()) return;
+  filter.relocate(left, now.odometry);
+  d.tracked.reset();
+}
+
+/// Whether the scan speaks for the place where it was before it was lost.
+bool Localizer::State::fits_again(const Now& now) {
+  if (!d.was_settled || !filter.odometry()) return false;
+  const std::vector<Mode> modes = modes_at(now.odometry);
+  return !modes.empty() && judge.fits(now.beams, modes[0].pose);
+}
+
+}  // namespace parloc
