@@ -102,6 +102,7 @@ void Localizer::State::watch(const Now& now, LocalizerEstimate& out) {
 Localizer::Localizer(const LocalizerConfig& config, const GridMap& map)
     : state_(std::make_unique<State>(config, map)) {
   validate(config.search);
+  if (config.localize.recover || config.localize.slips) (void)state_->near_by();  // not while it drives
 }
 Localizer::~Localizer() = default;
 Localizer::Localizer(Localizer&&) noexcept = default;

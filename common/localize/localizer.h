@@ -28,7 +28,7 @@ struct LocalizerEstimate {
 /// bits on every backend, thread count and instruction set.
 class Localizer {
  public:
-  /// Throws as ParticleFilter and GlobalSearch. What a search needs of the map is made at the first one.
+  /// Throws as ParticleFilter and GlobalSearch. Makes what searches need of the map, which takes a while.
   Localizer(const LocalizerConfig& config, const GridMap& map);
   ~Localizer();
   Localizer(Localizer&&) noexcept;

@@ -15,6 +15,8 @@ constexpr double kFoundSigma_m = 0.07, kFoundSigma_rad = 0.035;
 constexpr double kLeastShare = 0.25;
 /// Shares of all that the search finds: from here on there is no doubt, and up to here none worth a particle.
 constexpr double kNoDoubt = 0.99, kNoMatter = 0.01;
+/// Odds of a place that is found late: those found first were what the scans before spoke for.
+constexpr double kNewcomer = 0.05;
 /// A hypothesis this close to a mode is the same place.
 constexpr double kSame_m = 1.0, kSame_rad = 0.5;
 
@@ -115,25 +117,46 @@ void Localizer::State::put_at(std::vector<JudgedPlace> found, const Now& now) {
   d.lost = false;
 }
 
-/// Whether another place explains the scan of the search, too. If so, it gets its share of the particles; if
-/// not, and the filter has made up its mind, that is settled.
-void Localizer::State::look_for_others(const std::vector<JudgedPlace>& found, const Now& now) {
-  const std::vector<Mode> modes = modes_at(now.odometry);
-  std::vector<PoseGuess> others;
-  double elsewhere = 0.0;
+/// Places of a search that the filter does not stand for, with their shares of the belief in them and in what
+/// it stands for.
+std::vector<JudgedPlace> Localizer::State::newcomers(const std::vector<JudgedPlace>& found,
+                                                     const std::vector<Mode>& modes, const Now& now) {
+  std::vector<Pose> places;
+  for (const Mode& mode : modes) places.push_back(mode.pose);
   for (const JudgedPlace& place : found) {
     const auto known = [&](const Mode& mode) { return same_place(mode.pose, place.pose); };
-    if (place.share < kNoMatter || std::any_of(modes.begin(), modes.end(), known)) continue;
-    others.push_back({place.pose, kFoundSigma_m, kFoundSigma_rad, place.share});
-    elsewhere += place.share;
+    if (place.share >= kNoMatter && std::none_of(modes.begin(), modes.end(), known))
+      places.push_back(place.pose);
   }
+  if (places.size() == modes.size()) return {};
+  std::vector<JudgedPlace> judged = judge.judge(places, now.odometry, now.beams);
+  double total = 0.0;
+  for (std::size_t k = 0; k < judged.size(); ++k)
+    total += judged[k].share *= k < modes.size() ? 1.0 : kNewcomer;
+  judged.erase(judged.begin(), judged.begin() + static_cast<std::ptrdiff_t>(modes.size()));
+  for (JudgedPlace& place : judged) place.share /= total;
+  std::erase_if(judged, [](const JudgedPlace& place) { return place.share < kNoMatter; });
+  return judged;
+}
+
+/// Whether another place explains the scans, too. If so, it gets its share of the particles; if not, and the
+/// filter has made up its mind, that is settled.
+void Localizer::State::look_for_others(const std::vector<JudgedPlace>& found, const Now& now) {
+  const std::vector<Mode> modes = modes_at(now.odometry);
+  const std::vector<JudgedPlace> others = newcomers(found, modes, now);
   if (others.empty()) {
     d.settled = !found.empty() && !modes.empty() && modes[0].weight >= 1.0 - kNoMatter;
     return;
   }
+  std::vector<PoseGuess> guesses;
+  double elsewhere = 0.0;
+  for (const JudgedPlace& place : others) {
+    guesses.push_back({place.pose, kFoundSigma_m, kFoundSigma_rad, place.share});
+    elsewhere += place.share;
+  }
   for (const Mode& mode : modes)
-    others.push_back({mode.pose, kModeSigma_m, kModeSigma_rad, (1.0 - elsewhere) * mode.weight + 1e-6});
-  filter.relocate(others, now.odometry);
+    guesses.push_back({mode.pose, kModeSigma_m, kModeSigma_rad, (1.0 - elsewhere) * mode.weight + 1e-6});
+  filter.relocate(guesses, now.odometry);
   d.tracked.reset();
 }
 

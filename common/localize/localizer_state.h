@@ -43,6 +43,8 @@ struct Localizer::State {
   void go_on_searching(const Now& now, LocalizerEstimate& out);
   std::vector<JudgedPlace> found_now(const Now& now, LocalizerEstimate& out);
   void put_at(std::vector<JudgedPlace> found, const Now& now);
+  std::vector<JudgedPlace> newcomers(const std::vector<JudgedPlace>& found, const std::vector<Mode>& modes,
+                                     const Now& now);
   void look_for_others(const std::vector<JudgedPlace>& found, const Now& now);
   void weigh_rivals(const Now& now);
   void drop_refuted(const Now& now);
