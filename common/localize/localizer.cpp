@@ -11,8 +11,11 @@ namespace {
 
 /// What the probability is worth as long as there may be a rival elsewhere.
 constexpr double kUnsettled = 0.7;
-/// A start that was given is believed, about [nat]; from the second on a place has shown itself.
-constexpr double kGivenLogOdds = 2.0, kTrusted = 5.0;
+/// A start that was given is believed, about [nat].
+constexpr double kGivenLogOdds = 2.0;
+/// A place that a search has chosen has shown itself by so much [nat], with a scan that reaches such a share
+/// of what is attainable.
+constexpr double kTrusted = 5.0, kShows = 0.6;
 constexpr double kSlipShare = 0.25;  ///< Of the particles, for what is found near by.
 /// So little changes what a scan says by less than its own noise.
 constexpr double kAsExpected_m = 0.03, kAsExpected_rad = 0.01;
@@ -92,8 +95,10 @@ void Localizer::State::watch(const Now& now, LocalizerEstimate& out) {
   // From where the doubt began: it may have been put somewhere else.
   if ((d.settled && !d.doubt) || (d.doubt && !doubted)) judge.forget();
   if ((!d.settled || d.doubt) && d.rivals.empty()) judge.remember(now.odometry, beams);
-  if (d.settled && d.last.log_odds >= kTrusted) d.found = false, d.refuted = 0;
+  const bool shows = d.settled && d.last.log_odds >= kTrusted && here.evidence >= kShows * here.attainable;
+  if (shows) d.found = false, d.refuted = 0;
   d.last.probability /= 1.0 + static_cast<double>(d.refuted);
+  if (d.refuted > 0 && d.last.state == HealthState::tracking) d.last.state = HealthState::ambiguous;
   if (d.settled || !config.localize.recover) return;
   d.last.probability *= kUnsettled;
   if (d.last.state == HealthState::tracking) d.last.state = HealthState::ambiguous;

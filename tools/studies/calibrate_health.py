@@ -1,10 +1,11 @@
 #!/usr/bin/env python3
 """Fits the probability of being right to samples of `parloc evaluate --samples`.
 
-The probability is share / (1 + exp(-(offset + slope * log_odds))) (common/localize/health.cpp). Prints offset and slope by
-logistic regression of "is right" on the log-odds, over the samples in which one place has nearly all of the weight (the share
-says enough of the others), and over all samples the reliability, Brier score and AUC with the old and the new constants.
-Every other trial is left out of the fit and judged apart, to see whether it holds.
+The probability is 1 / (1 + exp(-(offset + slope * log_odds))) (common/localize/health.cpp) times what it is worth: the share of
+the weight, how far off the pose may be by its covariance, and how many places were refuted before. Prints offset and slope by
+logistic regression of "is right" on the log-odds, over the samples that are worth nearly all, and over all samples the
+reliability, Brier score and AUC with the old and the new constants. To see whether it holds, every other trial is left out of
+the fit and judged apart; of `parloc evaluate --families` each family is left out once.
 """
 
 import bisect
@@ -12,21 +13,36 @@ import csv
 import math
 import re
 import sys
+import typing
 
 from measuring import ROOT, Failure, option, parse, reported
 from pages import fixed
 
 HEALTH = ROOT / "common/localize/health.cpp"
-NEEDED = ("seed", "right", "log_odds", "share")
+NEEDED = ("seed", "right", "log_odds", "probability")
 
 
-def sample_of(path, row):
-    sample = (path, row["seed"]), {"0": 0, "1": 1}[row["right"]], float(row["log_odds"]), float(row["share"])
-    return sample if all(map(math.isfinite, sample[2:])) else None
+class Sample(typing.NamedTuple):
+    trial: tuple  # a file, a family of drives and a seed
+    right: int
+    log_odds: float
+    worth: float  # what the logistic curve is multiplied by
+
+    def probability(self, a, b):
+        return self.worth * sigmoid(a + b * self.log_odds)
 
 
-def read_samples(paths):
-    """(trial, right, log_odds, share) of every sample; a trial is a file and a seed."""
+def sample_of(path, row, a, b):
+    """None of a run without the closed loop, and of what is not a number."""
+    log_odds, probability = float(row["log_odds"]), float(row["probability"])
+    right = {"0": 0, "1": 1}[row["right"]]
+    if row.get("run", "loop") != "loop" or not (math.isfinite(log_odds) and math.isfinite(probability)):
+        return None
+    return Sample((path, row.get("family"), row["seed"]), right, log_odds, min(1.0, probability / sigmoid(a + b * log_odds)))
+
+
+def read_samples(paths, a, b):
+    """Every sample that a program with the constants a and b has written."""
     samples = []
     for path in paths:
         try:
@@ -35,7 +51,7 @@ def read_samples(paths):
                 missing = [name for name in NEEDED if name not in (rows.fieldnames or [])]
                 if missing:
                     raise Failure(2, f"{path}: expected the columns {', '.join(NEEDED)}, found no {missing[0]}")
-                samples += [sample for row in rows if (sample := sample_of(path, row))]
+                samples += [sample for row in rows if (sample := sample_of(path, row, a, b))]
         except UnicodeDecodeError as error:
             raise Failure(2, f"{path}: cannot be read ({error})") from None
         except (KeyError, TypeError, ValueError):
@@ -96,22 +112,26 @@ def auc_of(forecasts):
 
 
 def judge(samples, a, b):
-    forecasts = [(share * sigmoid(a + b * log_odds), right) for _, right, log_odds, share in samples]
+    return judge_forecasts([(s.probability(a, b), s.right) for s in samples])
+
+
+def judge_forecasts(forecasts):
     bins = [[] for _ in range(10)]
     for p, right in forecasts:
         bins[min(int(10 * p), 9)].append((p, right))
     return {
         "brier": sum((p - right) ** 2 for p, right in forecasts) / len(forecasts),
         "auc": auc_of(forecasts),
+        "error": sum(abs(sum(p - right for p, right in b)) for b in bins) / len(forecasts),
         "bins": [(len(b), *(sum(column) / len(b) for column in zip(*b, strict=True))) if b else (0, None, None) for b in bins],
     }
 
 
 def print_judgements(title, samples, old, new):
     both = judge(samples, *old), judge(samples, *new)
-    print(f"\n{title}: {len(samples)} samples, {sum(s[1] for s in samples)} right")
+    print(f"\n{title}: {len(samples)} samples, {sum(s.right for s in samples)} right")
     print(f"{'':14}{'before':>30}{'after':>30}")
-    for name, key in (("Brier", "brier"), ("AUC", "auc")):
+    for name, key in (("Brier", "brier"), ("AUC", "auc"), ("error", "error")):
         print(f"{name:14}" + "".join(f"{fixed(judged[key], 4):>30}" for judged in both))
     print(f"{'said':14}" + f"{'samples':>10}{'mean':>10}{'right':>10}" * 2)
     for k in range(10):
@@ -120,29 +140,46 @@ def print_judgements(title, samples, old, new):
         print(f"{k / 10:.1f} to {(k + 1) / 10:.1f}    {cells}")
 
 
+def print_families(samples, used):
+    """Each family judged by constants that were fitted to the others."""
+    print(f"\n{'family left out':18}{'kOffset':>9}{'kSlope':>9}{'samples':>9}{'right':>8}{'mean said':>11}{'error':>8}{'AUC':>8}")
+    forecasts = []
+    for family in sorted({s.trial[1] for s in samples}):
+        a, b = fit([(s.log_odds, s.right) for s in used if s.trial[1] != family])
+        mine = [(s.probability(a, b), s.right) for s in samples if s.trial[1] == family]
+        judged = judge_forecasts(mine)
+        said, right = (sum(column) / len(mine) for column in zip(*mine, strict=True))
+        print(f"{family:18}{a:>9.3f}{b:>9.3f}{len(mine):>9}{right:>8.3f}{said:>11.3f}{judged['error']:>8.3f}{fixed(judged['auc'], 3):>8}")
+        forecasts += mine
+    judged = judge_forecasts(forecasts)
+    print(f"together: error {judged['error']:.4f}, AUC {fixed(judged['auc'], 4)}")
+
+
 def calibrate(args):
-    samples = read_samples(args.samples)
-    used = [s for s in samples if s[3] >= args.min_share]
-    if not used:
-        raise Failure(3, f"no sample has a share of {args.min_share:g} or more")
     old = (args.offset, args.slope)
     if None in old:
         old = tuple(there if given is None else given for given, there in zip(old, constants_in_use(), strict=True))
-    new = fit([(s[2], s[1]) for s in used])
-    print(f"fitted to {len(used)} of {len(samples)} samples, those with a share of {args.min_share:g} or more")
+    samples = read_samples(args.samples, *old)
+    used = [s for s in samples if s.worth >= args.min_worth]
+    if not used:
+        raise Failure(3, f"no sample is worth {args.min_worth:g} or more")
+    new = fit([(s.log_odds, s.right) for s in used])
+    print(f"fitted to {len(used)} of {len(samples)} samples, those worth {args.min_worth:g} or more")
     print(f"before  kOffset = {old[0]:.3f}, kSlope = {old[1]:.3f}")
     print(f"after   kOffset = {new[0]:.3f}, kSlope = {new[1]:.3f}")
     print_judgements("All", samples, old, new)
+    if len({s.trial[1] for s in samples}) > 1:
+        print_families(samples, used)
+        return 0
 
-    trials = sorted({s[0] for s in used})
-    kept = set(trials[::2])
+    kept = set(sorted({s.trial for s in used})[::2])
     try:
-        half = fit([(s[2], s[1]) for s in used if s[0] in kept])
+        half = fit([(s.log_odds, s.right) for s in used if s.trial in kept])
     except Failure as e:
         print(f"\nEvery other trial alone: {e}")
         return 0
     print(f"\nFitted to every other trial alone: kOffset = {half[0]:.3f}, kSlope = {half[1]:.3f}")
-    others = [s for s in samples if s[0] not in kept]
+    others = [s for s in samples if s.trial not in kept]
     if others:
         print_judgements("The trials that were left out", others, old, half)
     return 0
@@ -151,7 +188,7 @@ def calibrate(args):
 def main(arguments=None):
     return reported(lambda: calibrate(parse(__doc__, {calibrate: (
         ("samples", {"nargs": "+", "metavar": "SAMPLES.csv"}),
-        option("--min-share", 0.8, "fit to samples with at least so much weight in one place", type=float),
+        option("--min-worth", 0.8, "fit to samples whose probability is at least so much of the curve's", type=float),
         option("--offset", None, "the old constant (that of health.cpp)", type=float),
         option("--slope", None, "likewise", type=float))}, arguments)))
 
