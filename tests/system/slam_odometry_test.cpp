@@ -42,6 +42,12 @@ void duplicated(Scans& scans) {
   for (std::size_t k = 0; k < scans.size(); ++k) twice.insert(twice.end(), k % 5 == 0 ? 2 : 1, scans[k]);
   scans = twice;
 }
+/// In the middle the driver starts again, and its odometry at its origin.
+void restarted(Scans& scans) {
+  const std::size_t middle = scans.size() / 2;
+  const Pose there = scans[middle].odometry;
+  for (std::size_t k = middle; k < scans.size(); ++k) scans[k].odometry = relative(scans[k].odometry, there);
+}
 void backward(Scans& scans) {
   for (std::size_t k = 5; k < scans.size(); k += 7) {
     scans[k].stamp_s -= 0.9;
@@ -141,6 +147,14 @@ TEST_F(SlamOdometryProgram, RepeatedScansAreCounted) {
 TEST_F(SlamOdometryProgram, StampsThatGoBackAreCounted) {
   EXPECT_GT(mapped("back", backward).at("warnings").at("backward_stamps"), 10);
   EXPECT_EQ(mapped("still_back", [](Scans& s) { backward(s), still(s); }).at("odometry").at("new_maps"), 0);
+}
+
+TEST_F(SlamOdometryProgram, OdometryThatStartsAgainIsOneJump) {
+  const Json m = mapped("restarted", restarted);
+  EXPECT_EQ(m.at("warnings").at("odometry_jumps"), 1);
+  EXPECT_EQ(json_of("clean/metrics.json").at("warnings").at("odometry_jumps"), 0);
+  EXPECT_LT(error_m(m), 0.10);
+  expect_parts(read("restarted/report.html"), {"1 jumps of the odometry"});
 }
 
 // The first five minutes of Intel, its odometry struck out. Relations: 0.07 m is the published RBPF's figure
