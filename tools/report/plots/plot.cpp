@@ -45,14 +45,13 @@ Axis symmetric_axis(const std::vector<double>& values, double largest, double ba
 }
 
 /// Whether a few values are so far above the rest that a linear axis would flatten it.
-bool wants_logarithm(const std::vector<double>& values, double high) {
-  const double middle = upper_median(ascending(values));
+bool wants_logarithm(double middle, double high) {
   return middle > 0.0 && high > 15.0 * middle;
 }
 
-/// Without the values that are too small to matter beside the largest.
-Axis upper_log_axis(const std::vector<double>& values, double high) {
-  double least = high;
+/// Without the values that are too small to matter beside the largest and the usual one.
+Axis upper_log_axis(const std::vector<double>& values, double middle, double high) {
+  double least = middle;  // however far above it the largest is: one long pause must not hide the rest
   for (const double v : values) {
     if (v > 1e-4 * high) least = std::min(least, v);
   }
@@ -70,8 +69,9 @@ Axis value_axis(const Plot& plot, std::vector<double> values) {
   double low = *low_at, high = *high_at;
   if (plot.scale == PlotScale::symmetric)
     return symmetric_axis(values, std::max(std::abs(low), std::abs(high)), largest_band(plot.bands));
-  if (plot.scale == PlotScale::automatic && wants_logarithm(values, high))
-    return upper_log_axis(values, high);
+  const double middle = upper_median(ascending(values));
+  if (plot.scale == PlotScale::automatic && wants_logarithm(middle, high))
+    return upper_log_axis(values, middle, high);
   if (plot.scale != PlotScale::linear) low = std::min(0.0, low);
   if (!(high > low)) low -= 0.5 * std::max(1.0, std::abs(low)), high = low + std::max(1.0, std::abs(high));
   return {low, high + 0.06 * (high - low)};
