@@ -111,7 +111,7 @@ TEST_F(EvaluateProgram, ErrorsAreOneLineWithACode) {
       {with(scenario, {"--trials", "many"}), 2, "--trials"},
       {with(scenario, {"--task", "dance"}), 2, "--task: dance not in {global,kidnap,track}"},
       {with(scenario, {"--jobs", "0"}), 2, "--jobs"},
-      {with(scenario, {"--particles", "0"}), 2, "particles"},
+      {with(scenario, {"--particles", "0"}), 2, "--particles: expected a whole number from 1 to 16777216"},
       {with(scenario, {"--range", "nan"}), 2, "--range"},
       {with(scenario, {"--fov", "0"}), 2, "--fov"},
       {with(scenario, {"--duration", "0"}), 2, "--duration"},

@@ -157,13 +157,14 @@ TEST_F(Program, ErrorsAreOneLineAndDestroyNothing) {
       {{"fly"}, 2, "--help"},
       {{"run"}, 2, "--map"},
       {run_args({init, "--partickles", "5"}), 2, "--partickles"},
-      {run_args({init, "--particles", "0"}), 2, "particles must be 1 to 16777216, got 0"},
-      {run_args({init, "--particles", "1e6"}), 2, "--particles"},
-      {run_args({init, "--beams", "0"}), 2, "max_beams must be 1 to 4096"},
+      {run_args({init, "--particles", "0"}), 2,
+       "--particles: expected a whole number from 1 to 16777216, got '0'"},
+      {run_args({init, "--particles", "1e6"}), 2, "--particles: expected a whole number from 1 to 16777216"},
+      {run_args({init, "--beams", "0"}), 2, "--beams: expected a whole number from 1 to 4096, got '0'"},
       {run_args({init, "--seed", "-1"}), 2, "--seed: expected a whole number from 0 to"},
       {run_args({init, "--seed", "18446744073709551616"}), 2, "--seed"},
       {run_args({init, "--seed", ""}), 2, "--seed"},
-      {run_args({init, "--threads", "-2"}), 2, "threads must be 0 to 1024"},
+      {run_args({init, "--threads", "-2"}), 2, "--threads: expected a whole number from 0 to 1024, got '-2'"},
       {on_map("room.yaml", {"--backend", "gpu"}), 2, "--backend: gpu not in {auto,cpu,cuda}"},
       {run_args({}), 2, "--init"},
       {run_args({"--init", "1,2"}), 2, "--init 1,2"},
@@ -319,7 +320,7 @@ TEST_F(Program, LearnErrorsAreOneLine) {
   expect_one_line(call(with(learn, {"--log", path("nothing.log")})), 3,
                   "nothing.log: expected at least 100 beams with a true pose");
   expect_one_line(call(with(learn, {"--log", path("drive.log"), "--beams", "0"})), 2,
-                  "scan.max_beams must be 1 to 4096");
+                  "--beams: expected a whole number from 1 to 4096, got '0'");
   EXPECT_FALSE(fs::exists(path("learned")));
 }
 

@@ -198,7 +198,8 @@ TEST_F(SlamProgram, ErrorsAreOneLineAndLeaveNothing) {
                                ProgramCase{slam("e1", {"--live"}, "empty.log"), 3, "empty.log"},
                                ProgramCase{slam("file/below", {"--live"}), 5, "file/below"},
                                ProgramCase{slam("blocked", {"--live"}), 5, "blocked/live.png"},
-                               ProgramCase{slam("e1", {"--particles", "0"}), 2, "particles"}})
+                               ProgramCase{slam("e1", {"--particles", "0"}), 2,
+                                           "--particles: expected a whole number from 1 to 65535"}})
     expect_error(call(c.args), c);
   EXPECT_FALSE(std::filesystem::exists(path("e1")));
 }

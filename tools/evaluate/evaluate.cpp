@@ -225,9 +225,8 @@ int judge_by_relations(const EvaluateOptions& o, const std::string& typed) {
 }
 
 Config config_of(const EvaluateOptions& o) {
-  return effective_config(o.filter, [&](Config& c) {
-    if (!o.particles.empty()) c.particles = parse_whole_number<std::int64_t>("--particles", o.particles);
-  });
+  return effective_config(o.filter,
+                          [&](Config& c) { set_whole_number(c, "particles", "--particles", o.particles); });
 }
 
 int jobs_of(const EvaluateOptions& o) {

@@ -59,12 +59,7 @@ void declare(CLI::App& app, LocateOptions& o) {
 
 SearchConfig search_config(const LocateOptions& o, const Config& config) {
   SearchConfig c = config.search;
-  if (!o.top.empty()) {
-    c.most = parse_whole_number<int>("--top", o.top);
-    if (c.most < 1 || c.most > c.candidates)
-      throw Error(ErrorKind::usage,
-                  fmt::format("--top: expected a whole number from 1 to {}, got '{}'", c.candidates, o.top));
-  }
+  if (!o.top.empty()) c.most = parse_whole_number<int>("--top", o.top, 1, c.candidates);
   return c;
 }
 

@@ -2,26 +2,40 @@
 
 #include <CLI/CLI.hpp>
 #include <algorithm>
-#include <cstdint>
 #include <cstdio>
 #include <memory>
 #include <string>
+#include <variant>
 
 #include "common/config/config.h"
+#include "common/config/config_settings.h"
 #include "common/error.h"
 #include "common/filter/filter_backend.h"
 #include "tools/program/parse_number.h"
 
 namespace parloc::tools {
 
+bool set_whole_number(Config& config, const std::string& name, const char* option, const std::string& text) {
+  if (text.empty()) return false;
+  for (const Setting& setting : settings_of(config).all) {
+    if (setting.name() != name) continue;
+    std::visit(
+        [&]<class Value>(const Value& value) {
+          if constexpr (requires { value.limits; })
+            value.slot.set(parse_whole_number(option, text, value.limits.low, value.limits.high));
+        },
+        setting.value);
+  }
+  return true;
+}
+
 Config effective_config(const ConfigOptions& o, const std::function<void(Config&)>& change,
                         const Config& base) {
   Config config = o.config.empty() ? base : read_config(o.config, base);
-  if (!o.seed.empty()) config.seed = parse_whole_number<std::uint64_t>("--seed", o.seed);
-  if (!o.device.empty()) config.device = parse_whole_number<int>("--device", o.device);
-  if (!o.threads.empty()) config.threads = parse_whole_number<int>("--threads", o.threads);
-  if (!o.beams.empty()) {
-    config.scan.max_beams = parse_whole_number<int>("--beams", o.beams);
+  set_whole_number(config, "seed", "--seed", o.seed);
+  set_whole_number(config, "device", "--device", o.device);
+  set_whole_number(config, "threads", "--threads", o.threads);
+  if (set_whole_number(config, "scan.max_beams", "--beams", o.beams)) {
     config.scan.min_beams =
         std::min(config.scan.min_beams, config.scan.max_beams);  // so few are meant to be used
   }

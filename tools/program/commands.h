@@ -93,6 +93,10 @@ struct ConfigOptions {
   std::optional<BackendChoice> backend;
 };
 
+/// The setting of that name becomes what the option says, within the limits that the settings' table gives
+/// it; false if the option was not given. Throws Error{usage} naming `option`.
+bool set_whole_number(Config& config, const std::string& name, const char* option, const std::string& text);
+
 /// The configuration file over `base`, the options on top, and then what else the command sets in it by
 /// `change`. Throws Error{config} for the file, Error{usage} for what is on top.
 Config effective_config(const ConfigOptions& options, const std::function<void(Config&)>& change = {},

@@ -130,9 +130,8 @@ int run(const RunOptions& o, const std::string& typed) {
   // Everything that can be wrong is looked at before the long work.
   LocalizeRequest request;
   request.config = effective_config(o, [&](Config& config) {
-    if (o.particles.empty()) return;  // a fixed number, whatever the file says
-    config.particles = parse_whole_number<std::int64_t>("--particles", o.particles);
-    config.min_particles = config.max_particles = 0;
+    if (set_whole_number(config, "particles", "--particles", o.particles))
+      config.min_particles = config.max_particles = 0;  // a fixed number, whatever the file says
   });
   request.log_name = o.log;
   request.strict = o.strict;

@@ -58,8 +58,7 @@ void declare(CLI::App& app, SlamOptions& o) {
 /// The configuration file over `base`, with the command line on top.
 Config slam_config(const SlamOptions& o, const Config& base) {
   const auto change = [&](Config& config) {
-    if (!o.particles.empty())
-      config.slam.particles = parse_whole_number<std::int64_t>("--particles", o.particles);
+    set_whole_number(config, "slam.particles", "--particles", o.particles);
     if (o.proposal) config.slam.proposal = *o.proposal;
   };
   return effective_config(o, change, base);
