@@ -266,7 +266,7 @@ TEST_F(RunOdometryProgram, AFastCarDoesNotJump) {
   const std::vector<Answer> said = localize("corridor.yaml", recorded.scans, recorded.truth.front());
   expect_no_jump();
   for (std::size_t k = 0; k < said.size(); ++k) {
-    EXPECT_TRUE(said[k].tracking()) << k;
+    EXPECT_NE(said[k].state, "lost") << k;  // along it the scans do not say where it is
     EXPECT_TRUE(honest(said[k], recorded.truth[k])) << k;
   }
   EXPECT_LT(distance_m(said.back().pose, recorded.truth.back()), 0.2);  // the corridor's end is in sight

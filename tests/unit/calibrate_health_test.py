@@ -29,12 +29,13 @@ class CalibrateHealth(unittest.TestCase):
 
     def test_scores_by_hand(self):
         # sigmoid(0) = 0.5: said 0.5, 0.5, 0.25 of right, wrong, wrong.
-        samples = [("a", 1, 0.0, 1.0), ("a", 0, 0.0, 1.0), ("a", 0, 0.0, 0.5)]
+        samples = [tool.Sample("a", right, 0.0, worth) for right, worth in ((1, 1.0), (0, 1.0), (0, 0.5))]
         result = tool.judge(samples, 0.0, 1.0)
         self.assertAlmostEqual(result["brier"], (0.25 + 0.25 + 0.0625) / 3)
         self.assertAlmostEqual(result["auc"], 0.75)  # one tie, one won
         self.assertEqual(result["bins"][5], (2, 0.5, 0.5))
         self.assertEqual(result["bins"][2], (1, 0.25, 0.0))
+        self.assertAlmostEqual(result["error"], 0.25 / 3)  # of the bin of one; the other is right in the mean
         self.assertIsNone(tool.auc_of([(0.3, 1)]))
 
     def test_refuses_what_no_curve_fits(self):
@@ -51,18 +52,34 @@ class CalibrateHealth(unittest.TestCase):
                 code = tool.main([str(path), *more])
             return code, out.getvalue(), err.getvalue()
 
+    def rows(self, offset, slope, seed=1):
+        """What a program with the constants 0 and 1 writes, of places worth 0.99."""
+        return [(k % 7, right, e, 0.99 * tool.sigmoid(e)) for k, (e, right) in enumerate(drawn(offset, slope, 2000, seed))]
+
     def test_reads_files_and_prints_both(self):
-        rows = "".join(f"{k % 7},{k},{right},{e},0.99\n" for k, (e, right) in enumerate(drawn(-1.0, 3.0, 2000)))
-        code, out, err = self.call("seed,stamp_s,right,log_odds,share\n" + rows, "--offset", "0", "--slope", "1")
+        text = "seed,right,log_odds,probability\n" + "".join(",".join(map(str, row)) + "\n" for row in self.rows(-1.0, 3.0))
+        code, out, err = self.call(text, "--offset", "0", "--slope", "1")
         self.assertEqual((code, err), (0, ""))
         self.assertIn("before  kOffset = 0.000, kSlope = 1.000", out)
-        self.assertIn("left out", out)
+        self.assertIn("trials that were left out", out)
         self.assertEqual(self.call("seed,right\n1,1\n")[0], 2)
-        code, _, err = self.call("seed,right,log_odds,share\n1,2,0.5,1\n")
+        code, _, err = self.call("seed,right,log_odds,probability\n1,2,0.5,1\n")
         self.assertEqual(code, 2)
         self.assertIn("samples.csv:2", err)
         self.assertEqual(err.count("\n"), 1)
-        self.assertEqual(self.call("seed,right,log_odds,share\n1,1,0.5,0.1\n")[0], 3)
+        self.assertEqual(self.call("seed,right,log_odds,probability\n1,1,0.5,0.1\n")[0], 3)
+
+    def test_leaves_each_family_out_once(self):
+        text = "family,run,seed,right,log_odds,probability\n"
+        for k, family in enumerate(("clutter", "doors")):
+            text += "".join(f"{family},loop," + ",".join(map(str, row)) + "\n" for row in self.rows(-1.0 - k, 3.0, k))
+        text += "clutter,bare,1,0,7,nan\n"  # without the closed loop there is no probability
+        code, out, err = self.call(text, "--offset", "0", "--slope", "1")
+        self.assertEqual((code, err), (0, ""))
+        left_out = {line.split()[0]: float(line.split()[1]) for line in out.splitlines() if line.startswith(("clutter", "doors"))}
+        self.assertAlmostEqual(left_out["clutter"], -2.0, delta=0.6)  # the other's constants
+        self.assertAlmostEqual(left_out["doors"], -1.0, delta=0.6)
+        self.assertIn("fitted to 4000 of 4000 samples", out)
 
     def test_knows_the_constants_of_the_library(self):
         offset, slope = tool.constants_in_use()
