@@ -76,7 +76,8 @@ class CalibrateHealth(unittest.TestCase):
         text += "clutter,bare,1,0,7,nan\n"  # without the closed loop there is no probability
         code, out, err = self.call(text, "--offset", "0", "--slope", "1")
         self.assertEqual((code, err), (0, ""))
-        left_out = {line.split()[0]: float(line.split()[1]) for line in out.splitlines() if line.startswith(("clutter", "doors"))}
+        rows = [line.split() for line in out.splitlines() if line.startswith(("clutter", "doors"))]
+        left_out = {row[0]: float(row[1]) for row in rows}
         self.assertAlmostEqual(left_out["clutter"], -2.0, delta=0.6)  # the other's constants
         self.assertAlmostEqual(left_out["doors"], -1.0, delta=0.6)
         self.assertIn("fitted to 4000 of 4000 samples", out)

@@ -142,14 +142,15 @@ def print_judgements(title, samples, old, new):
 
 def print_families(samples, used):
     """Each family judged by constants that were fitted to the others."""
-    print(f"\n{'family left out':18}{'kOffset':>9}{'kSlope':>9}{'samples':>9}{'right':>8}{'mean said':>11}{'error':>8}{'AUC':>8}")
+    print(f"\n{'family left out':18}{'kOffset':>9}{'kSlope':>9}{'samples':>9}{'right':>8}{'said':>8}{'error':>8}{'AUC':>8}")
     forecasts = []
     for family in sorted({s.trial[1] for s in samples}):
         a, b = fit([(s.log_odds, s.right) for s in used if s.trial[1] != family])
         mine = [(s.probability(a, b), s.right) for s in samples if s.trial[1] == family]
         judged = judge_forecasts(mine)
         said, right = (sum(column) / len(mine) for column in zip(*mine, strict=True))
-        print(f"{family:18}{a:>9.3f}{b:>9.3f}{len(mine):>9}{right:>8.3f}{said:>11.3f}{judged['error']:>8.3f}{fixed(judged['auc'], 3):>8}")
+        counts = f"{a:>9.3f}{b:>9.3f}{len(mine):>9}{right:>8.3f}{said:>8.3f}"
+        print(f"{family:18}{counts}{judged['error']:>8.3f}{fixed(judged['auc'], 3):>8}")
         forecasts += mine
     judged = judge_forecasts(forecasts)
     print(f"together: error {judged['error']:.4f}, AUC {fixed(judged['auc'], 4)}")
