@@ -37,6 +37,7 @@ void Localizer::State::begin(bool is_lost, bool is_settled, const SearchPrior& k
 /// If the scan fits the prediction badly, the wheels may have slipped: what explains it near by is proposed
 /// to the filter, whose weights then decide.
 void Localizer::State::look_for_slips(const Now& now) {
+  d.expected.reset();
   if (!config.localize.slips || !d.tracked || !filter.odometry() || now.beams.hits == 0) return;
   const Pose motion = relative(now.odometry, *filter.odometry());
   const Pose expected = compose(*d.tracked, motion);
@@ -65,10 +66,10 @@ void Localizer::State::settle(const Now& now, LocalizerEstimate& out) {
 
 /// What the scan says of the estimate. Where that is where the robot was expected, it has been asked already.
 JudgedPlace Localizer::State::judge_estimate(const BeamTable& beams, const Pose& pose) {
-  const std::optional<JudgedPlace> expected = std::exchange(d.expected, std::nullopt);
-  const bool as_expected = expected && distance_m(expected->pose, pose) < kAsExpected_m &&
-                           turn_rad(expected->pose, pose) < kAsExpected_rad;
-  if (as_expected) return *expected;
+  const bool as_expected = d.expected && judge.expected_m().size() == beams.count &&
+                           distance_m(d.expected->pose, pose) < kAsExpected_m &&
+                           turn_rad(d.expected->pose, pose) < kAsExpected_rad;
+  if (as_expected) return *d.expected;
   return {pose, judge.evidence(beams, pose), judge.attainable()};
 }
 
