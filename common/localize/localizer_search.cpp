@@ -135,7 +135,6 @@ std::vector<JudgedPlace> Localizer::State::newcomers(const std::vector<JudgedPla
     total += judged[k].share *= k < modes.size() ? 1.0 : kNewcomer;
   judged.erase(judged.begin(), judged.begin() + static_cast<std::ptrdiff_t>(modes.size()));
   for (JudgedPlace& place : judged) place.share /= total;
-  std::erase_if(judged, [](const JudgedPlace& place) { return place.share < kNoMatter; });
   return judged;
 }
 
@@ -143,11 +142,13 @@ std::vector<JudgedPlace> Localizer::State::newcomers(const std::vector<JudgedPla
 /// filter has made up its mind, that is settled.
 void Localizer::State::look_for_others(const std::vector<JudgedPlace>& found, const Now& now) {
   const std::vector<Mode> modes = modes_at(now.odometry);
-  const std::vector<JudgedPlace> others = newcomers(found, modes, now);
+  std::vector<JudgedPlace> others = newcomers(found, modes, now);
   if (others.empty()) {
     d.settled = !found.empty() && !modes.empty() && modes[0].weight >= 1.0 - kNoMatter;
     return;
   }
+  std::erase_if(others, [](const JudgedPlace& place) { return place.share < kNoMatter; });
+  if (others.empty()) return;  // not settled: there was one
   std::vector<PoseGuess> guesses;
   double elsewhere = 0.0;
   for (const JudgedPlace& place : others) {
