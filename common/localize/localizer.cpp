@@ -42,13 +42,15 @@ void Localizer::State::look_for_slips(const Now& now) {
   const Pose motion = relative(now.odometry, *filter.odometry());
   const Pose expected = compose(*d.tracked, motion);
   const double worth = config.search.effective_beams;
-  const SlipPrior slip = slip_prior(*d.tracked, now.elapsed_s, d.since_well_m);
+  const SlipPrior slip = slip_prior(*d.tracked, now.elapsed_s, d.since_well_m, d.trusted ? d.unexplained : 0);
   const double here = judge.evidence(now.beams, expected);
   if (worth * (d.monitor.typical() * judge.attainable() - here) < -portable_log64(slip.odds)) {
     d.expected = JudgedPlace{expected, here, judge.attainable()};
+    d.unexplained = 0;
     return;
   }
   const auto found = near_by().look(now.beams, expected, reach_of(slip));
+  ++d.unexplained;
   if (!found || worth * (judge.evidence(now.beams, found->pose) - here) < -portable_log64(slip.odds)) return;
   const Pose back = inverse(motion);
   filter.propose({compose(found->pose, back), kModeSigma_m, kModeSigma_rad}, kSlipShare, slip);
@@ -98,6 +100,7 @@ void Localizer::State::watch(const Now& now, LocalizerEstimate& out) {
   if ((!d.settled || d.doubt) && d.rivals.empty()) judge.remember(now.odometry, beams);
   const bool shows = d.settled && d.last.log_odds >= kTrusted && here.evidence >= kShows * here.attainable;
   if (shows) d.found = false, d.refuted = 0;
+  d.trusted = shows || (d.trusted && !d.lost);
   d.last.probability /= 1.0 + static_cast<double>(d.refuted);
   if (d.refuted > 0 && d.last.state == HealthState::tracking) d.last.state = HealthState::ambiguous;
   if (d.settled || !config.localize.recover) return;

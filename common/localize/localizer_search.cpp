@@ -109,6 +109,7 @@ void Localizer::State::put_at(std::vector<JudgedPlace> found, const Now& now) {
   filter.relocate(guesses, now.odometry);
   if (d.found) ++d.refuted;
   d.found = true;
+  d.trusted = false;
   d.was_settled = false;
   d.monitor.reset(kFoundLogOdds);
   d.tracked.reset();

@@ -80,6 +80,8 @@ struct Localizer::State {
     std::optional<JudgedPlace> expected;  // where the robot was to be at this scan, if the scan says so, too
     std::optional<Pose> tracked;          // the heaviest cluster, after the last step that was weighed
     double since_well_m = 0.0;
+    bool trusted = false;         // it has shown itself, and was not lost since
+    std::size_t unexplained = 0;  // scans in a row that fitted badly where the robot was expected
     Health last;
   };
   Drive d;

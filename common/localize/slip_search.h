@@ -32,8 +32,9 @@ class SlipSearch {
   GlobalSearch search_;
 };
 
-/// The farther the robot has come since all was well, the farther off it may be.
-SlipPrior slip_prior(const Pose& tracked, double elapsed_s, double since_well_m);
+/// The farther the robot has come since all was well, the farther off it may be; and if nothing near by
+/// explained the last scans, so many of them, it has slipped more than wheels do every day.
+SlipPrior slip_prior(const Pose& tracked, double elapsed_s, double since_well_m, std::size_t unexplained);
 /// How far is looked.
 SlipSearch::Reach reach_of(const SlipPrior& slip);
 

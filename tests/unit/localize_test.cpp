@@ -4,6 +4,7 @@
 #include "common/config/config.h"
 #include "common/error.h"
 #include "common/localize/scan_novelty.h"
+#include "common/localize/slip_search.h"
 #include "common/math/portable64.h"
 #include "common/search/scan_evidence.h"
 #include "tests/unit/localize_scenes.h"
@@ -188,6 +189,17 @@ TEST(FindModes, TheHeaviestIsTheEstimatesCluster) {
   EXPECT_NEAR(modes[0].pose.x_m, e.cluster.mean.x_m, 1e-4);
   EXPECT_NEAR(modes[0].pose.y_m, e.cluster.mean.y_m, 1e-4);
   EXPECT_NEAR(wrap64(modes[0].pose.theta_rad - e.cluster.mean.theta_rad), 0.0, 1e-4);
+}
+
+TEST(SlipPrior, IsWiderAndRarerForAWhileAfterAScanThatNothingExplained) {
+  const SlipPrior usual = slip_prior({}, 0.2, 0.0, 0), wide = slip_prior({}, 0.2, 0.0, 1);
+  EXPECT_GT(wide.sigma_m, usual.sigma_m);
+  EXPECT_GT(reach_of(wide).turn_rad, 1.2);  // 70 degrees within one scan: stamps that come in bursts
+  EXPECT_LT(wide.odds, 0.1 * usual.odds);
+  const SlipPrior later = slip_prior({}, 0.2, 0.0, 7);  // it was carried away, perhaps: others see to that
+  EXPECT_EQ(later.sigma_m, usual.sigma_m);
+  EXPECT_EQ(later.odds, usual.odds);
+  EXPECT_GT(slip_prior({}, 0.2, 10.0, 0).sigma_m, usual.sigma_m);
 }
 
 }  // namespace
