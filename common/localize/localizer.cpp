@@ -50,8 +50,11 @@ void Localizer::State::look_for_slips(const Now& now) {
     return;
   }
   const auto found = near_by().look(now.beams, expected, reach_of(slip));
-  ++d.unexplained;
-  if (!found || worth * (judge.evidence(now.beams, found->pose) - here) < -portable_log64(slip.odds)) return;
+  const bool far = std::exchange(d.unexplained, d.unexplained + 1) > 0;
+  if (!found) return;
+  const double there = judge.evidence(now.beams, found->pose);
+  if (worth * (there - here) < -portable_log64(slip.odds)) return;
+  if (far && there < d.monitor.typical() * judge.attainable()) return;  // of many places one looks alike
   const Pose back = inverse(motion);
   filter.propose({compose(found->pose, back), kModeSigma_m, kModeSigma_rad}, kSlipShare, slip);
 }
