@@ -33,14 +33,10 @@ constexpr double kCloseEnough = 0.5;          // of an estimate that says where 
 
 constexpr double kNear_m = 0.5, kNear_rad = 10.0 * kPi / 180.0;
 
-/// That a normal deviate of this variance is no farther off, by the error function of Abramowitz and Stegun
-/// 7.1.26 (1.5e-7).
+/// That a normal deviate of this variance is no farther off.
 double central_probability(double most, double variance) {
   if (!(variance > 0.0)) return variance == 0.0 ? 1.0 : 0.0;
-  const double x = most / std::sqrt(2.0 * variance), t = 1.0 / (1.0 + 0.3275911 * x);
-  const double p =
-      ((((1.061405429 * t - 1.453152027) * t + 1.421413741) * t - 0.284496736) * t + 0.254829592) * t;
-  return 1.0 - p * portable_exp64(-x * x);
+  return 1.0 - static_cast<double>(portable_erfc(static_cast<float>(most / std::sqrt(2.0 * variance))));
 }
 
 }  // namespace

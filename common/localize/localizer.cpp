@@ -87,7 +87,7 @@ void Localizer::State::watch(const Now& now, LocalizerEstimate& out) {
   judge.set_lost(d.missing.share());
   const JudgedPlace here = judge_estimate(beams, heaviest.mean);
   const WallGeometry walls = wall_geometry(beams, judge.expected_m(), filter.map().resolution_m);
-  add(map_error(walls, heaviest.mean.theta_rad, filter.map().resolution_m), out.filter.covariance);
+  add_map_error(walls, heaviest.mean.theta_rad, filter.map().resolution_m, out.filter.covariance);
   const double within = probability_within(out.filter.covariance);
   d.last = d.monitor.update({here.evidence, here.attainable, heaviest.weight, novel, within});
   const double moved_m = d.tracked ? distance_m(*d.tracked, heaviest.mean) : 0.0;

@@ -120,8 +120,10 @@ Covariance map_error(const WallGeometry& walls, double heading_rad, double resol
   return map;
 }
 
-void add(const Covariance& more, Covariance& covariance) {
-  for (std::size_t i = 0; i < 9; ++i) covariance.v[i] += more.v[i];
+void add_map_error(const WallGeometry& walls, double heading_rad, double resolution_m,
+                   Covariance& covariance) {
+  const Covariance map = map_error(walls, heading_rad, resolution_m);
+  for (std::size_t i = 0; i < 9; ++i) covariance.v[i] += map.v[i];
 }
 
 }  // namespace parloc

@@ -26,6 +26,8 @@ WallGeometry wall_geometry(const BeamTable& beams, const std::vector<float>& exp
 /// scans from one spot all err alike, and a filter that takes them for independent grows surer and surer.
 /// This is what its covariance lacks, map frame.
 Covariance map_error(const WallGeometry& walls, double heading_rad, double resolution_m);
-void add(const Covariance& more, Covariance& covariance);
+/// Adds it.
+void add_map_error(const WallGeometry& walls, double heading_rad, double resolution_m,
+                   Covariance& covariance);
 
 }  // namespace parloc
