@@ -14,6 +14,16 @@
 namespace parloc {
 namespace {
 
+void add_settings(Settings& s, LogChoice& log) {
+  s.group("log", "What is read of a bag that has more than one of a kind");
+  s.add("scan_topic", "Scans or clouds of points; several LiDARs with commas between", log.scan_topic);
+  s.add("odometry_topic", "Of type nav_msgs/Odometry", log.odometry_topic);
+  s.add("odometry_frame", "Its transforms in /tf are the odometry", log.odometry_frame);
+  s.add("base_frame", "The robot's, whose pose is estimated", log.base_frame);
+  s.add("cloud_low", "Points of a cloud above this height over the base are a scan [m]", log.cloud_low, {-10.0, 100.0});
+  s.add("cloud_high", "... and below this [m]", log.cloud_high, {-10.0, 100.0});
+}
+
 /// A complete configuration has 8 KiB.
 constexpr YamlRules kRules{"a configuration", 64 * 1024, ErrorKind::config};
 
@@ -78,7 +88,16 @@ Settings settings_of(Config& config) {
   add_slam_settings(s, config.slam, config.slam_max_beams, config.slam_update_min_d,
                     config.slam_update_min_a);
   add_settings(s, config.search);
+  add_settings(s, config.log);
   return s;
+}
+
+LogChoice log_choice(const Config& config) {
+  LogChoice choice = config.log;
+  for (const LidarConfig& lidar : config.lidars)
+    if (lidar.x && lidar.y && lidar.yaw) choice.mounted.push_back(lidar.name);
+  choice.without_odometry = config.slam.odometry == SlamOdometry::scans;
+  return choice;
 }
 
 void validate(const Config& config) {

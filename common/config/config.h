@@ -4,6 +4,7 @@
 #include <string>
 
 #include "common/flow/flow_filter_config.h"
+#include "common/io/log_choice.h"
 #include "common/localize/localizer_config.h"
 #include "common/slam/grid_slam_config.h"
 
@@ -14,6 +15,7 @@ namespace parloc {
 struct Config : LocalizerConfig {
   FlowConfig flow;
   int flow_max_beams = FlowFilterConfig().scan.max_beams;  ///< flow.max_beams
+  LogChoice log;  ///< Without what log_choice() adds.
   SlamConfig slam;
   int slam_max_beams = GridSlamConfig().scan.max_beams;      ///< slam.max_beams
   double slam_update_min_d = GridSlamConfig().update_min_d;  ///< slam.update_min_d [m]
@@ -25,6 +27,9 @@ FlowFilterConfig flow_filter_config(const Config& config);
 GridSlamConfig grid_slam_config(const Config& config);
 /// Whose grid_slam_config() that is; all else has its defaults.
 Config config_of(const GridSlamConfig& slam);
+
+/// What is to be read of a log: config.log, with the LiDARs that the configuration places.
+LogChoice log_choice(const Config& config);
 
 /// Throws Error{config} naming the setting.
 void validate(const Config& config);

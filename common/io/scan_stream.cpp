@@ -34,7 +34,7 @@ bool ScanStream::read_record() {
 }
 
 Error no_scan(const std::string& log_name, const LogWarnings& warnings) {
-  std::string message = "expected at least one scan (FLASER, RLASER or ROBOTLASER1), found none";
+  std::string message = "expected at least one scan, found none";
   if (!warnings.messages.empty()) message += fmt::format("; {}", warnings.messages.front());
   return input_error(log_name, 0, message);
 }

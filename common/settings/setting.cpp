@@ -31,6 +31,15 @@ void Settings::group(const char* name, const char* doc) {
   current_ = name;
 }
 
+namespace {
+/// Names of topics and frames have no more than that.
+bool is_plain_text(std::string_view text) {
+  return text.size() <= 256 && std::all_of(text.begin(), text.end(), [](char c) {
+           return c >= ' ' && c <= '~' && c != '"' && c != '\\';
+         });
+}
+}  // namespace
+
 bool is_setting_name(std::string_view name) {
   const auto allowed = [](char c) {
     return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9') || c == '_' || c == '-';
@@ -44,6 +53,7 @@ std::string allowed_text(const Setting& setting) {
                                                     number.limits.above_low);
                                },
                                [](const FlagSetting&) { return std::string("true or false"); },
+                               [](const TextSetting&) { return std::string("a text"); },
                                [](const ChoiceSetting& choice) { return choices_text(choice.names); }},
                     setting.value);
 }
@@ -58,6 +68,7 @@ std::optional<std::string> value_text(const Setting& setting) {
                  [](const FlagSetting& flag) {
                    return flag.get() != nullptr ? Text(*flag.get() ? "true" : "false") : Text();
                  },
+                 [](const TextSetting& text) { return Text(fmt::format("\"{}\"", *text.text)); },
                  [](const ChoiceSetting& choice) {
                    const char* name = choice.name();
                    return choice.number() ? Text(name != nullptr ? name : "?") : Text();
@@ -75,6 +86,12 @@ std::string limits_message(const Setting& setting) {
                                  return allowed ? std::string() : must(fmt::format("{}", *value));
                                },
                                [](const FlagSetting&) { return std::string(); },
+                               [&](const TextSetting& text) {
+                                 return is_plain_text(*text.text)
+                                            ? std::string()
+                                            : fmt::format("{} must be at most 256 printable characters without quotes, got '{}'",
+                                                          setting.name(), printable(*text.text));
+                               },
                                [&](const ChoiceSetting& choice) {
                                  const std::optional<int> number = choice.number();
                                  const bool allowed = !number || choice.name() != nullptr;

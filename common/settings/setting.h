@@ -69,6 +69,10 @@ struct NumberSetting {
   Limits<Number> limits;
 };
 using FlagSetting = Slot<bool>;
+/// A name of something outside, such as a topic; empty: none is said.
+struct TextSetting {
+  std::string* text;
+};
 /// An enumeration, by the names of its values.
 struct ChoiceSetting {
   std::vector<std::pair<const char*, std::size_t>> names;  ///< Each with its index.
@@ -83,7 +87,7 @@ struct Setting {
   std::string key;
   std::string doc;  ///< One line, with the unit in brackets.
   std::variant<NumberSetting<int>, NumberSetting<std::int64_t>, NumberSetting<std::uint64_t>,
-               NumberSetting<double>, FlagSetting, ChoiceSetting>
+               NumberSetting<double>, FlagSetting, TextSetting, ChoiceSetting>
       value;
 
   /// "motion.alpha1", or "particles" at the top level.
@@ -136,6 +140,7 @@ class Settings {
     append(key, doc, NumberSetting<Number>{value, limits});
   }
   void add(const char* key, const char* doc, bool& value) { append(key, doc, FlagSetting(value)); }
+  void add(const char* key, const char* doc, std::string& value) { append(key, doc, TextSetting{&value}); }
   template <class Enum>
   void add(const char* key, const char* doc, Enum& value, const std::vector<Choice<Enum>>& choices) {
     append(key, doc, by_name(Slot<Enum>(value), choices));

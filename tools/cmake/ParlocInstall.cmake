@@ -17,6 +17,7 @@ set(PARLOC_PUBLIC_HEADERS
   flow/flow_filter.h
   flow/flow_filter_config.h
   io/log.h
+  io/log_choice.h
   io/open_log.h
   io/trajectory.h
   localize/health.h

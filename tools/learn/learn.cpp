@@ -37,7 +37,7 @@ constexpr const char* kPicture = "mixture.png";
 
 void declare(CLI::App& app, LearnOptions& o) {
   add_text_option(app, "--map", o.map, "M.yaml", "ROS map_server YAML")->required();
-  add_text_option(app, "--log", o.log, "LOG", "CARMEN log, plain or gzip")->required();
+  add_log_options(app, o, o.log)->required();
   add_text_option(app, "--truth", o.truth, "T.tum", "True poses, or the trajectory.tum of a run")->required();
   add_text_option(app, "--config", o.config, "C.yaml", "Where the search starts, and which beams are used");
   add_text_option(app, "--beams", o.beams, "B", "Beams used of a scan, 1 to 4096");
@@ -96,7 +96,7 @@ std::string delay_text(const std::optional<OdometryDelay>& delay) {
 
 RangePairsOfLog collect(const LearnOptions& o, const Config& config) {
   const GridMap map = read_map(o.map);
-  const std::unique_ptr<LogReader> log = open_log(o.log);
+  const std::unique_ptr<LogReader> log = open_log(o.log, log_choice(config));
   const Trajectory truth = read_tum(o.truth);
   Progress progress(o.quiet);
   return collect_range_pairs(map, *log, truth, config, [&](double fraction) {

@@ -38,7 +38,7 @@ struct LocateOptions : ConfigOptions {
 
 void declare(CLI::App& app, LocateOptions& o) {
   add_text_option(app, "--map", o.map, "M.yaml", "ROS map_server YAML, or segments")->required();
-  add_text_option(app, "--log", o.log, "LOG", "CARMEN log, plain or gzip");
+  add_log_options(app, o, o.log);
   add_text_option(app, "--at", o.at, "S", "Its first scan from S seconds after the first one (0)");
   add_text_option(app, "--scan-number", o.number, "N", "Or its Nth scan, from 1");
   add_text_option(app, "--scan", o.scan, "S.yaml", "Or one scan from a YAML file");
@@ -84,7 +84,7 @@ ChosenScan scan_of_log(const LocateOptions& o) {
               fmt::format("scan {} of {}, {:.3f} s after the first", seen, o.log, record.stamp_s - first_s)};
   }
   if (seen == 0)
-    throw input_error(o.log, 0, "expected at least one scan (FLASER, RLASER or ROBOTLASER1), found none");
+    throw input_error(o.log, 0, "expected at least one scan, found none");
   throw input_error(o.log, 0,
                     number > 0
                         ? fmt::format("expected {} scans, found {}", number, seen)

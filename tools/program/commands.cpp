@@ -29,6 +29,17 @@ bool set_whole_number(Config& config, const std::string& name, const char* optio
   return true;
 }
 
+CLI::Option* add_log_options(CLI::App& app, ConfigOptions& o, std::string& log, const std::string& help) {
+  CLI::Option* option = add_text_option(app, "--log", log, "LOG", help);
+  add_text_option(app, "--scan-topic", o.scan_topics, "TOPIC", "Scans of a bag; again: several LiDARs")
+      ->allow_extra_args(false)
+      ->group("");
+  add_text_option(app, "--odom-topic", o.odometry_topic, "TOPIC", "Odometry of a bag")->group("");
+  add_text_option(app, "--odom-frame", o.odometry_frame, "FRAME", "Its transforms are the odometry (odom)")->group("");
+  add_text_option(app, "--base-frame", o.base_frame, "FRAME", "The robot's (the odometry's child)")->group("");
+  return option;
+}
+
 Config effective_config(const ConfigOptions& o, const std::function<void(Config&)>& change,
                         const Config& base) {
   Config config = o.config.empty() ? base : read_config(o.config, base);
@@ -40,6 +51,13 @@ Config effective_config(const ConfigOptions& o, const std::function<void(Config&
         std::min(config.scan.min_beams, config.scan.max_beams);  // so few are meant to be used
   }
   if (o.backend) config.backend = *o.backend;
+  const auto say = [](std::string& setting, const std::string& option) {
+    if (!option.empty()) setting = option;
+  };
+  say(config.log.scan_topic, fmt::format("{}", fmt::join(o.scan_topics, ",")));
+  say(config.log.odometry_topic, o.odometry_topic);
+  say(config.log.odometry_frame, o.odometry_frame);
+  say(config.log.base_frame, o.base_frame);
   if (change) change(config);
   try {
     validate(config);

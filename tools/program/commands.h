@@ -90,8 +90,14 @@ CLI::Option* add_choice_option(CLI::App& app, const std::string& name, std::opti
 /// The options of several commands that set something in the configuration; empty: not given.
 struct ConfigOptions {
   std::string config, device, threads, seed, beams;
+  std::vector<std::string> scan_topics;                      // of a bag
+  std::string odometry_topic, odometry_frame, base_frame;  // of a bag
   std::optional<BackendChoice> backend;
 };
+
+/// --log LOG, and the options for what is read of a bag, which its errors name and docs/bags.md explains.
+CLI::Option* add_log_options(CLI::App& app, ConfigOptions& options, std::string& log,
+                             const std::string& help = "CARMEN log, or bag of ROS 1 or 2 (parloc log info)");
 
 /// The setting of that name becomes what the option says, within the limits that the settings' table gives
 /// it; false if the option was not given. Throws Error{usage} naming `option`.

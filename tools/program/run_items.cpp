@@ -44,13 +44,13 @@ void run_items(const ItemsRequest& request,
   if (error) std::rethrow_exception(error);
 }
 
-std::vector<LogRecord> read_whole_log(const std::string& path, std::size_t& broken_lines) {
+std::vector<LogRecord> read_whole_log(const std::string& path, const LogChoice& choice, std::size_t& broken_lines) {
   std::vector<LogRecord> records;
-  const auto reader = open_log(path);
+  const auto reader = open_log(path, choice);
   for (LogRecord record; reader->next(record);) records.push_back(std::move(record));
   broken_lines = reader->warnings().broken_lines;
   if (std::none_of(records.begin(), records.end(), is_scan))
-    throw input_error(path, 0, "expected at least one scan (FLASER, RLASER or ROBOTLASER1), found none");
+    throw input_error(path, 0, "expected at least one scan, found none");
   return records;
 }
 

@@ -41,7 +41,7 @@ struct RunOptions : ConfigOptions {
 
 void declare(CLI::App& app, RunOptions& o) {
   add_text_option(app, "--map", o.map, "M.yaml", "ROS map_server YAML")->required();
-  add_text_option(app, "--log", o.log, "LOG", "CARMEN log, plain or gzip")->required();
+  add_log_options(app, o, o.log)->required();
   add_text_option(app, "--truth", o.truth, "T.tum", "True trajectory, TUM format");
   add_text_option(app, "--relations", o.relations, "R.txt", "True relations between scans");
   add_text_option(app, "--config", o.config, "C.yaml", "Settings over the defaults");
@@ -138,7 +138,7 @@ int run(const RunOptions& o, const std::string& typed) {
   request.odometry_only = o.odometry_only;
   request.start = start_of(o, request.config);
   const GridMap map = read_map(o.map);
-  const std::unique_ptr<LogReader> log = open_log(o.log);
+  const std::unique_ptr<LogReader> log = open_log(o.log, log_choice(request.config));
   if (!o.truth.empty()) request.truth = read_tum(o.truth);
   const std::vector<Relation> relations =
       o.relations.empty() ? std::vector<Relation>{} : read_relations(o.relations);

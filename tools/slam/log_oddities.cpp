@@ -33,7 +33,7 @@ bool choose_odometry(const std::string& log_path, Config& config) {
   std::error_code none;
   if (config.slam.odometry == SlamOdometry::scans || !std::filesystem::is_regular_file(log_path, none))
     return false;
-  if (!odometry_stands_still(*open_log(log_path))) return false;
+  if (!odometry_stands_still(*open_log(log_path, log_choice(config)))) return false;
   config.slam.odometry = SlamOdometry::scans;
   return true;
 }

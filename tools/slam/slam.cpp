@@ -36,7 +36,7 @@ struct SlamOptions : ConfigOptions {
 };
 
 void declare(CLI::App& app, SlamOptions& o) {
-  add_text_option(app, "--log", o.log, "LOG", "CARMEN log, plain or gzip")->required();
+  add_log_options(app, o, o.log)->required();
   add_text_option(app, "--config", o.config, "C.yaml", "Settings over the defaults");
   add_text_option(app, "--truth", o.truth, "T.tum", "True trajectory, TUM format, in any frame");
   add_text_option(app, "--relations", o.relations, "R.txt", "True relations between scans");
@@ -129,7 +129,7 @@ int run(const SlamOptions& o, const std::string& typed) {
   request.log_name = o.log;
   request.odometry_chosen = !checkpoint && slam::choose_odometry(o.log, request.config);
   if (request.odometry_chosen) fmt::print(stderr, "parloc: {}: {}\n", o.log, slam::kOdometryFromScans);
-  const std::unique_ptr<LogReader> log = open_log(o.log);
+  const std::unique_ptr<LogReader> log = open_log(o.log, log_choice(request.config));
   const std::vector<Relation> relations =
       o.relations.empty() ? std::vector<Relation>{} : read_relations(o.relations);
   const Trajectory truth = o.truth.empty() ? Trajectory{} : read_tum(o.truth);

@@ -1,0 +1,99 @@
+// What bags that consist of chunks have in common: messages in the order of their recording from chunks in
+// any order, with bounded memory.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <memory>
+#include <set>
+#include <string>
+#include <vector>
+
+#include "common/bag/bag.h"
+#include "common/bag/byte_stream.h"
+#include "common/bag/decompress.h"
+
+namespace parloc {
+
+/// Where messages lie together.
+struct BagChunk {
+  std::uint64_t offset = 0;       ///< Of the records in the file.
+  std::uint64_t packed_size = 0;  ///< Of the records in the file [bytes].
+  Compression compression = Compression::none;
+  std::int64_t first_ns = 0, last_ns = 0;  ///< Of the messages; first_ns decides when it is unpacked.
+  bool has_checksum = false;
+  std::uint32_t checksum = 0;  ///< CRC-32 of the unpacked records.
+};
+
+/// Messages of one chunk, the selected ones, in the order of their stamps.
+struct ChunkMessages {
+  struct Entry {
+    std::int64_t stamp_ns;
+    std::size_t topic, offset, size;
+  };
+  std::vector<Entry> entries;
+  std::string bytes;
+};
+
+/// The records of a chunk, one by one. Throws Damage.
+class ChunkRecords {
+ public:
+  virtual ~ChunkRecords() = default;
+  /// Appends the next message if it is selected; passes over whatever else there is. False at the end.
+  virtual bool next(ChunkMessages& messages) = 0;
+};
+
+class ChunkedBag : public BagReader {
+ public:
+  const std::vector<BagTopic>& topics() const final { return topics_; }
+  void select(const std::vector<bool>& topics) final;
+  bool next(BagMessage& message) final;
+  const BagFaults& faults() const final { return faults_; }
+  double progress() const final;
+
+ protected:
+  /// A message is refused beyond this size: the largest images are smaller.
+  static constexpr std::uint64_t kLongestMessage = std::uint64_t{48} << 20;
+  /// Chunks that are not compressed are cut to about this size [bytes].
+  static constexpr std::uint64_t kRunBytes = std::uint64_t{1} << 20;
+
+  explicit ChunkedBag(std::unique_ptr<BagFile> file);
+  ~ChunkedBag() override;
+
+  virtual std::unique_ptr<ChunkRecords> open_chunk(const BagChunk& chunk) = 0;
+
+  /// The index of the topic, which is new or known already.
+  std::size_t add_topic(BagTopic topic);
+  bool wanted(std::size_t topic) const { return topic < wanted_.size() && wanted_[topic]; }
+  /// Unpacks all chunks once with nothing selected, so that open_chunk()'s records can tell what is in them:
+  /// topics, and times through note_stamp(). For files without an index.
+  void look_through();
+  void note_stamp(std::int64_t stamp_ns);
+  /// One fault, told once for each place in the file.
+  void count_fault(std::uint64_t offset, const std::string& what);
+
+  std::unique_ptr<BagFile> file_;
+  std::vector<BagChunk> chunks_;
+
+ private:
+  struct Cursor;
+  void open_next_chunk();
+  bool refill(Cursor& cursor);
+  void make_room(std::size_t bytes);
+  bool unpack_again(Cursor& cursor);
+  void advance();
+  /// The one with the earliest message; none: the number of cursors.
+  std::size_t earliest() const;
+
+  std::vector<BagTopic> topics_;
+  std::vector<bool> wanted_;
+  BagFaults faults_;
+  std::set<std::uint64_t> faulty_places_;
+  std::vector<std::size_t> order_;  ///< Of chunks_, by time.
+  std::size_t next_chunk_ = 0;      ///< Index into order_.
+  std::vector<std::unique_ptr<Cursor>> cursors_;
+  Cursor* given_ = nullptr;  ///< Whose message was given out last.
+  BagChunk* looked_at_ = nullptr;
+};
+
+}  // namespace parloc

@@ -1,0 +1,48 @@
+// Gives scans that came without odometry the odometry at their time.
+#pragma once
+
+#include <cstddef>
+#include <deque>
+
+#include "common/io/log.h"
+#include "common/model/trajectory.h"
+
+namespace parloc {
+
+/// Scans and odometry readings go in as they were recorded, and come out in the order of their stamps: each
+/// scan with the odometry at its stamp, between the readings before and after it (straight, and by the shorter
+/// turn), exactly a reading's where one has the scan's stamp. That reading does not come out a second time.
+/// Deterministic on every machine. Memory: some seconds of readings, at most 20,000, and 1,000 scans.
+class OdometryJoiner {
+ public:
+  void add_odometry(double stamp_s, const Pose& odometry, std::size_t line);
+  void add_scan(LogRecord scan);
+  /// No more comes.
+  void finish() { finished_ = true; }
+  /// False: more has to go in first, or there is no more.
+  bool next(LogRecord& record);
+
+  std::size_t scans_before() const { return before_; }  ///< Left out: older than any reading.
+  std::size_t scans_after() const { return after_; }    ///< Left out: younger than the last reading.
+  std::size_t readings() const { return taken_; }
+  double longest_gap_s() const { return longest_gap_s_; }  ///< Between two readings with a scan between.
+
+ private:
+  struct Reading {
+    double stamp_s;
+    Pose odometry;
+    std::size_t line;
+  };
+  bool give_reading(double before_s, LogRecord& record);
+  void forget();
+  bool join(LogRecord& scan);
+
+  std::deque<Reading> readings_;  ///< In the order of their stamps.
+  std::size_t given_ = 0;         ///< The first so many of them have come out, or lie before a scan that has.
+  std::deque<LogRecord> scans_;
+  bool finished_ = false;
+  std::size_t before_ = 0, after_ = 0, taken_ = 0, stale_in_a_row_ = 0;
+  double longest_gap_s_ = 0.0;
+};
+
+}  // namespace parloc

@@ -1,0 +1,12 @@
+#include "common/io/open_log.h"
+
+#include "common/bag/open_bag.h"
+#include "common/io/bag_log.h"
+
+namespace parloc {
+
+std::unique_ptr<LogReader> open_log(const std::string& path, const LogChoice& choice) {
+  return is_bag(path) ? open_bag_log(path, choice) : open_carmen_log(path);
+}
+
+}  // namespace parloc

@@ -1,0 +1,58 @@
+// Where frames are, as /tf and /tf_static say.
+#pragma once
+
+#include <deque>
+#include <map>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "common/ros/messages.h"
+#include "common/ros/rigid_transform.h"
+
+namespace parloc {
+
+/// Frames of a robot. A frame that moves (/tf) remembers the last 10 s, at most 4096 transforms; one that does
+/// not (/tf_static) its last value. Where both are said of one frame, what moves counts.
+class TransformTree {
+ public:
+  /// Parents that are empty, frames that are their own parent, and transforms that are not rigid are left out
+  /// and counted.
+  void add(const TransformMessage& transform, bool is_static);
+
+  /// T_target_source at that time: between two transforms of a frame that moves, else the nearest. Nothing if
+  /// the frames are not connected.
+  std::optional<RigidTransform> find(const std::string& target, const std::string& source,
+                                     double stamp_s) const;
+  bool knows(const std::string& frame) const;
+  /// Empty if it has none.
+  std::string parent_of(const std::string& frame) const;
+  /// The frame on the chain from `frame` upwards whose parent is `ancestor`; empty if there is none.
+  std::string child_on_the_way(const std::string& ancestor, const std::string& frame) const;
+  std::vector<std::string> frames() const;
+
+  std::size_t refused() const { return refused_; }
+  /// One line for each frame of which different static places were said.
+  const std::vector<std::string>& contradictions() const { return contradictions_; }
+
+ private:
+  struct Stamped {
+    double stamp_s;
+    RigidTransform T_parent_child;
+  };
+  struct Frame {
+    std::string parent;
+    std::optional<RigidTransform> fixed;
+    std::deque<Stamped> moving;  ///< In the order of their stamps.
+    bool contradicted = false;
+  };
+  void contradict(const std::string& name, Frame& frame, const RigidTransform& fixed, const RigidTransform& said);
+  RigidTransform at(const Frame& frame, double stamp_s) const;
+  std::vector<std::string> way_up(const std::string& frame) const;
+
+  std::map<std::string, Frame> frames_;  ///< By the child's name.
+  std::size_t refused_ = 0;
+  std::vector<std::string> contradictions_;
+};
+
+}  // namespace parloc
