@@ -172,6 +172,7 @@ struct Changer {
     const bool is_first = choice.name() == std::string(choice.names.front().first);
     choice.choose(is_first ? choice.names.size() - 1 : 0);
   }
+  void operator()(const IntervalsSetting& list) const { list.set({{list.limits.low, list.limits.high / 3}}); }
   bool is_share;
 };
 
@@ -188,11 +189,11 @@ TEST(Config, LidarsHaveAnEntryEach) {
   EXPECT_EQ(front.x, 0.2);
   EXPECT_EQ(front.y, -0.1);
   EXPECT_EQ(front.yaw, 0.5);
-  EXPECT_FALSE(front.upside_down);
+  EXPECT_FALSE(front.upside_down.has_value());
   EXPECT_FALSE(front.max_beams || front.min_range || front.scan_time);
   EXPECT_EQ(other.name, "robotlaser2");
   EXPECT_FALSE(other.x || other.y || other.yaw);
-  EXPECT_TRUE(other.upside_down);
+  EXPECT_EQ(other.upside_down, true);
   EXPECT_EQ(other.max_beams, 40);
   EXPECT_EQ(other.min_range, 0.05);
   EXPECT_EQ(other.max_range, 12.0);

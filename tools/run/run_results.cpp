@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "common/config/config.h"
+#include "common/io/log_notes.h"
 #include "tools/report/result_parts.h"
 #include "tools/run/localize_log.h"
 
@@ -142,6 +143,7 @@ std::string rejected_text(const BeamCounts& beams) {
     if (const std::size_t count = beams.*reason.count; count > 0)
       text += fmt::format("{}{} {}", text.empty() ? "" : ", ", count, reason.summary);
   }
+  if (beams.masked > 0) text += fmt::format("{}{} masked", text.empty() ? "" : ", ", beams.masked);
   return text;
 }
 
@@ -254,6 +256,8 @@ std::vector<std::string> warning_lines(const Localization& run) {
   add(run.lost_steps, "steps in which no particle fitted the scan");
   if (const std::string unused = unused_lidars(run.config, run.lidars); !unused.empty())
     lines.push_back(unused);
+  const std::vector<std::string> notes = open_notes(run.warnings.notes, run.config.lidars);
+  lines.insert(lines.end(), notes.begin(), notes.end());
   lines.insert(lines.end(), run.warnings.messages.begin(), run.warnings.messages.end());
   return lines;
 }
@@ -299,6 +303,7 @@ std::string metrics_json(const RunResults& results) {
   for (const LidarUse& lidar : run.lidars) json["lidars"].push_back(lidar_json(lidar));
   for (const auto& [what, count] : counted(run)) json["warnings"][what] = count;
   json["warnings"]["stamps"] = text_or_null(run.times.trouble());
+  json["warnings"]["notes"] = open_notes(run.warnings.notes, run.config.lidars);
   json["warnings"]["messages"] = run.warnings.messages;
   json["backend"] = run.backend;
   json["seed"] = run.config.seed;
