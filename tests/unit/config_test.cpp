@@ -205,6 +205,26 @@ TEST(Config, LidarsHaveAnEntryEach) {
   expect_parts(printed, {"\n  robotlaser2:\n"});
 }
 
+TEST(Config, AnglesAndMasksOfALidar) {
+  const Config c = config_from_text(
+      "lidars:\n  front: {angle_min: -2.356, angle_step: 0.0087, flipped: true, mask: [[-0.3, 0.2], [3, "
+      "-3]]}\n"
+      "  rear: {mask: [1.5, 1.75]}\n",
+      "c.yaml");
+  ASSERT_EQ(c.lidars.size(), 2u);
+  EXPECT_EQ(c.lidars[0].angle_min, -2.356);
+  EXPECT_EQ(c.lidars[0].angle_step, 0.0087);
+  EXPECT_EQ(c.lidars[0].flipped, true);
+  ASSERT_EQ(c.lidars[0].mask.size(), 2u);
+  EXPECT_EQ(c.lidars[0].mask[1].from, 3.0);
+  EXPECT_EQ(c.lidars[0].mask[1].to, -3.0);
+  ASSERT_EQ(c.lidars[1].mask.size(), 1u) << "one interval needs no list of them";
+  EXPECT_EQ(c.lidars[1].mask[0].to, 1.75);
+  const std::string printed = config_to_yaml(c);
+  EXPECT_EQ(config_to_yaml(config_from_text(printed, "printed")), printed);
+  expect_parts(printed, {"mask: [[-0.3, 0.2], [3, -3]]"});
+}
+
 TEST(Config, TheExampleOfALidarIsValid) {
   std::string printed = config_to_yaml(Config{});
   const std::size_t begin = printed.find("# lidars:");
@@ -233,6 +253,14 @@ TEST(Config, MistakesInLidarsHaveOneClearLine) {
       {"lidars:\n  front:\n    yaw: 90\n", "c.yaml:3: lidars.front.yaw must be -6.3 to 6.3, got 90"},
       {"lidars:\n  front:\n    upside_down: 1\n",
        "c.yaml:3: lidars.front.upside_down: expected true or false, got '1'"},
+      {"lidars:\n  front: {angle_step: 0}\n", "c.yaml:2: lidars.front.angle_step must not be 0"},
+      {"lidars:\n  front: {upside_down: true, flipped: false}\n",
+       "c.yaml:2: lidars.front.flipped is another word for lidars.front.upside_down: they must not differ"},
+      {"lidars:\n  front:\n    mask: 3\n",
+       "c.yaml:3: lidars.front.mask: expected a list of up to 32 intervals [from, to], got '3'"},
+      {"lidars:\n  front:\n    mask: [[1, 2], [3]]\n",
+       "c.yaml:3: lidars.front.mask: expected a list of up to 32 intervals [from, to], got one that is not"},
+      {"lidars:\n  front:\n    mask: [[1, 90]]\n", "c.yaml:3: lidars.front.mask must be -6.3 to 6.3, got 90"},
       {"lidars:\n  front:\n    stamp_at: end\n",
        "c.yaml:3: lidars.front.stamp_at: expected first, middle or last, got 'end'"},
       {"lidars:\n  front: {x: 1}\n  front: {y: 1}\n",
