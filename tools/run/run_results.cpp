@@ -143,7 +143,6 @@ std::string rejected_text(const BeamCounts& beams) {
     if (const std::size_t count = beams.*reason.count; count > 0)
       text += fmt::format("{}{} {}", text.empty() ? "" : ", ", count, reason.summary);
   }
-  if (beams.masked > 0) text += fmt::format("{}{} masked", text.empty() ? "" : ", ", beams.masked);
   return text;
 }
 
@@ -165,6 +164,7 @@ std::string beams_text(const LidarUse& lidar, int min_beams) {
     const int digits = percent < 10.0 ? 2 : 3;
     text += fmt::format("; {:.{}g} % dropped: {}", percent, digits, rejected_text(beams));
   }
+  if (beams.masked > 0) text += fmt::format("; {} masked", beams.masked);
   if (beams.misses > 0) text += fmt::format("; {} saw nothing in range", beams.misses);
   if (lidar.too_few > 0) {
     text += fmt::format("; {} of {} scans not weighed: fewer than {} beams left (min_beams)", lidar.too_few,
