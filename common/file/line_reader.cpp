@@ -139,6 +139,9 @@ bool LineReader::next(std::string_view& line) {
   const std::size_t stop = ended_ ? end : buffer_.size();
   line = std::string_view(buffer_).substr(begin_, stop - begin_);
   begin_ = ended_ ? stop + 1 : stop;
+  // Editors of one system begin a text with a byte-order mark, which UTF-8 has no use for.
+  constexpr std::string_view mark = "\xEF\xBB\xBF";
+  if (line_ == 1 && line.substr(0, mark.size()) == mark) line.remove_prefix(mark.size());
   if (!line.empty() && line.back() == '\r') line.remove_suffix(1);
   return true;
 }

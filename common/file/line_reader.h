@@ -23,7 +23,8 @@ class LineReader {
   LineReader(LineReader&&) noexcept;
   ~LineReader();
 
-  /// The next line without its "\n" or "\r\n"; false at the end. The view is valid until the next call.
+  /// The next line without its "\n" or "\r\n", the first without a byte-order mark; false at the end. The
+  /// view is valid until the next call.
   bool next(std::string_view& line);
 
   const std::string& name() const { return name_; }

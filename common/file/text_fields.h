@@ -8,6 +8,7 @@
 #include <string>
 #include <string_view>
 #include <system_error>
+#include <type_traits>
 
 #include "common/error.h"
 
@@ -27,6 +28,22 @@ std::errc parse_number(std::string_view text, Number& value) {
   return end == text.data() + text.size() ? status : std::errc::invalid_argument;
 }
 
+/// What older Windows runtimes print for a number that is not finite: "1.#INF", "-1.#IND", "1.#QNAN", with
+/// any zeros behind. False for any other text.
+inline bool windows_number(std::string_view text, double& value) {
+  const bool negative = !text.empty() && text.front() == '-';
+  if (negative || (!text.empty() && text.front() == '+')) text.remove_prefix(1);
+  while (!text.empty() && text.back() == '0') text.remove_suffix(1);
+  if (text == "1.#INF") {
+    value = negative ? -HUGE_VAL : HUGE_VAL;
+  } else if (text == "1.#IND" || text == "1.#QNAN" || text == "1.#SNAN") {
+    value = std::nan("");
+  } else {
+    return false;
+  }
+  return true;
+}
+
 class Fields {
  public:
   explicit Fields(std::string_view line) : rest_(line) {}
@@ -44,7 +61,8 @@ class Fields {
     return field;
   }
 
-  /// The next field as a number; "nan" and "inf" are numbers. Throws BrokenLine naming `what` was expected.
+  /// The next field as a number; "nan", "inf" and what windows_number() knows are numbers. Throws BrokenLine
+  /// naming `what` was expected.
   template <class Number>
   Number number(const char* what) {
     skip_blanks();
@@ -53,7 +71,14 @@ class Fields {
     if (rest_.size() > 1 && *start == '+' && rest_[1] != '-') ++start;  // from_chars takes no plus sign
     Number value{};
     const auto [stop, error] = std::from_chars(start, end, value);
-    if (error != std::errc{} || (stop != end && *stop != ' ' && *stop != '\t')) fail(what);
+    if (error != std::errc{} || (stop != end && *stop != ' ' && *stop != '\t')) {
+      if constexpr (std::is_floating_point_v<Number>) {
+        const Fields before = *this;
+        if (double special = 0.0; windows_number(text(), special)) return static_cast<Number>(special);
+        *this = before;
+      }
+      fail(what);
+    }
     rest_.remove_prefix(static_cast<std::size_t>(stop - rest_.data()));
     return value;
   }

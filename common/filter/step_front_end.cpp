@@ -121,6 +121,7 @@ BeamCounts StepFrontEnd::beam_counts() const {
     sum.considered += c.considered;
     sum.used += c.used;
     sum.misses += c.misses;
+    sum.masked += c.masked;
     sum.nan += c.nan;
     sum.infinite += c.infinite;
     sum.negative += c.negative;

@@ -11,7 +11,10 @@
 #include "common/error.h"
 #include "common/file/line_reader.h"
 #include "common/file/text_fields.h"
+#include "common/io/carmen_angles.h"
+#include "common/io/carmen_params.h"
 #include "common/io/log.h"
+#include "common/io/mount_watch.h"
 #include "common/math/portable64.h"
 
 namespace parloc {
@@ -26,15 +29,16 @@ constexpr double kMaxStampS = 1e12;
 constexpr double kMaxBearingRad = 4.0 * kPi;
 constexpr std::size_t kMaxMessages = 20;
 
-struct Mounts {
-  Pose T_base_front;
-  Pose T_base_rear{0.0, 0.0, -kPi};  // looks backwards
-};
-
 Pose read_pose(Fields& fields, const char* what) {
   const double x_m = fields.bounded(what, kMaxCoordinateM);
   const double y_m = fields.bounded(what, kMaxCoordinateM);
   return {x_m, y_m, wrap64(fields.bounded(what, kMaxHeadingRad))};
+}
+
+// With how finely it is written.
+StatedAngle read_angle(Fields& fields, const char* what) {
+  const std::string_view text = Fields(fields).text();
+  return {fields.bounded(what, kMaxBearingRad), half_last_place(text)};
 }
 
 // The count of items that follow, bounded by what the line can hold: an item takes two bytes at least.
@@ -64,28 +68,15 @@ double read_end(Fields& fields, bool line_is_terminated) {
   return stamp_s;
 }
 
-// FLASER and RLASER carry no angles. An even count leaves the last end of the half circle out (180 beams: 1
-// degree, 360: 0.5), an odd count has both (181, 361): so the logs of the common SICK modes are right, and
-// the rest follow.
-void set_half_circle(Scan& scan) {
-  const std::size_t n = scan.ranges_m.size();
-  scan.angle_min_rad = n == 1 ? 0.0 : -kPi / 2.0;
-  scan.angle_step_rad = n == 1 ? 0.0 : kPi / static_cast<double>(n % 2 == 0 ? n : n - 1);
-}
-
-// The field of view divided by the number of steps is closer to the truth than a resolution rounded to 6
-// decimals, whose error grows with the beam index. Logs count the steps either way; the resolution tells
-// which.
-double step_from(double fov_rad, double resolution_rad, std::size_t beams) {
-  if (beams < 2) return resolution_rad;
-  const double n = static_cast<double>(beams);
-  const double both_ends = fov_rad / (n - 1.0);
-  const double one_end = fov_rad / n;
-  if (resolution_rad == 0.0) return both_ends;
-  const bool first = std::fabs(both_ends - resolution_rad) <= std::fabs(one_end - resolution_rad);
-  const double candidate = first ? both_ends : one_end;
-  return std::fabs(candidate - resolution_rad) <= 1e-6 ? candidate : resolution_rad;
-}
+// What FLASER or RLASER lines do not say, decided once for as long as the number of beams and the PARAM lines
+// stay.
+struct UnsaidOfLine {
+  std::size_t beams = 0;  // 0: not decided
+  BeamAngles angles;
+  Pose T_base_sensor;
+  double range_max_m = 0.0;
+  bool upside_down = false;
+};
 
 class CarmenLog final : public LogReader {
  public:
@@ -115,16 +106,20 @@ class CarmenLog final : public LogReader {
 
  private:
   bool parse(std::string_view line, LogRecord& record);
-  void parse_param(Fields& fields);
   void parse_odom(Fields& fields, LogRecord& record) const;
-  void parse_half_circle(Fields& fields, LogRecord& record, const Pose& T_base_sensor) const;
+  void parse_without_angles(Fields& fields, LogRecord& record, bool front);
+  const UnsaidOfLine& unsaid_of(bool front, std::size_t beams);
+  void note_angles(const char* lidar, std::size_t beams, const BeamAngles& angles);
   void parse_robotlaser(Fields& fields, LogRecord& record) const;
   void count_scan(const LogRecord& record);
   void count_broken(const std::string& why);
+  void count_unread(std::string_view name);
 
   LineReader lines_;
   LogWarnings warnings_;
-  Mounts mounts_;
+  CarmenParams params_;
+  MountWatch mounts_;
+  UnsaidOfLine unsaid_front_, unsaid_rear_;
   /// Of the scan before, of front, rear and robotlaser1 to 9; 0: none yet.
   std::array<std::size_t, 11> beams_of_sensor_{};
   double last_scan_stamp_s_ = 0.0;
@@ -157,37 +152,29 @@ bool CarmenLog::parse(std::string_view line, LogRecord& record) {
   record.scan.sensor.clear();
   record.scan.bearings_rad.clear();
   record.scan.beam_times_s.clear();
+  record.scan.upside_down = false;
   if (name == "ODOM") {
     parse_odom(fields, record);
   } else if (name == "FLASER") {
     record.scan.sensor = "front";
-    parse_half_circle(fields, record, mounts_.T_base_front);
+    parse_without_angles(fields, record, true);
   } else if (name == "RLASER") {
     record.scan.sensor = "rear";
-    parse_half_circle(fields, record, mounts_.T_base_rear);
+    parse_without_angles(fields, record, false);
   } else if (const char number = robotlaser_number(name); number != 0) {
     record.scan.sensor = std::string("robotlaser") + number;
     parse_robotlaser(fields, record);
   } else if (name == "PARAM") {
-    parse_param(fields);
+    params_.take(fields);
+    unsaid_front_.beams = unsaid_rear_.beams = 0;
     return false;
   } else if (is_message_name(name)) {
-    ++warnings_.unknown_messages;
+    count_unread(name);
     return false;
   } else {
     throw BrokenLine{"expected a message name, found '" + printable(name) + "'"};
   }
   return true;
-}
-
-void CarmenLog::parse_param(Fields& fields) {
-  const std::string_view name = fields.text();
-  // Logs give the rear distance with either sign; the sensor is behind the base.
-  if (name == "robot_frontlaser_offset") {
-    mounts_.T_base_front.x_m = fields.bounded("an offset in metres", kMaxCoordinateM);
-  } else if (name == "robot_rearlaser_offset") {
-    mounts_.T_base_rear.x_m = -std::fabs(fields.bounded("an offset in metres", kMaxCoordinateM));
-  }
 }
 
 // ODOM x y theta tv rv accel stamp host logger_stamp
@@ -200,16 +187,50 @@ void CarmenLog::parse_odom(Fields& fields, LogRecord& record) const {
 
 // FLASER n r_1 .. r_n x y theta odom_x odom_y odom_theta stamp host logger_stamp. The first pose is the
 // laser's, by the recording program's own reckoning; the odometry proper is the second.
-void CarmenLog::parse_half_circle(Fields& fields, LogRecord& record, const Pose& T_base_sensor) const {
+void CarmenLog::parse_without_angles(Fields& fields, LogRecord& record, bool front) {
   record.kind = RecordKind::scan;
   Scan& scan = record.scan;
   read_ranges(fields, scan.ranges_m);
   for (int i = 0; i < 3; ++i) fields.number<double>("a laser pose");
   record.odometry = read_pose(fields, "finite odometry");
   record.stamp_s = scan.stamp_s = read_end(fields, lines_.terminated());
-  scan.T_base_sensor = T_base_sensor;
-  scan.range_min_m = scan.range_max_m = scan.scan_time_s = 0.0;
-  set_half_circle(scan);
+  const UnsaidOfLine& unsaid = unsaid_of(front, scan.ranges_m.size());
+  const double last_rad = unsaid.angles.step_rad * static_cast<double>(unsaid.beams - 1);
+  if (!(std::fabs(last_rad) <= kMaxBearingRad))
+    throw BrokenLine{fmt::format("expected beams within two turns, found {} in steps of {:g} degrees (PARAM)",
+                                 unsaid.beams, unsaid.angles.step_rad / (kPi / 180.0))};
+  scan.T_base_sensor = unsaid.T_base_sensor;
+  scan.range_min_m = scan.scan_time_s = 0.0;
+  scan.range_max_m = unsaid.range_max_m;
+  scan.angle_min_rad = unsaid.angles.min_rad;
+  scan.angle_step_rad = unsaid.angles.step_rad;
+  scan.upside_down = unsaid.upside_down;
+}
+
+const UnsaidOfLine& CarmenLog::unsaid_of(bool front, std::size_t beams) {
+  UnsaidOfLine& unsaid = front ? unsaid_front_ : unsaid_rear_;
+  if (unsaid.beams == beams) return unsaid;
+  const CarmenLaser laser = front ? params_.front() : params_.rear();
+  unsaid.beams = beams;
+  unsaid.angles = angles_of_count(beams, laser.field_of_view, laser.resolution);
+  unsaid.T_base_sensor = mount_of(laser, front);
+  unsaid.range_max_m = laser.max_range_m.value_or(0.0);
+  unsaid.upside_down = laser.flipped.value_or(false);
+  if (!unsaid.angles.doubt.empty()) note_angles(front ? "front" : "rear", beams, unsaid.angles);
+  return unsaid;
+}
+
+void CarmenLog::note_angles(const char* lidar, std::size_t beams, const BeamAngles& angles) {
+  for (const LogNote& note : warnings_.notes)
+    if (note.about == LogNote::About::angles && note.lidar == lidar) return;
+  constexpr double degree = kPi / 180.0;
+  warnings_.notes.push_back(
+      {LogNote::About::angles, lidar,
+       fmt::format("{}: the lines say no angles, and {}: taken as {:g} to {:g} degrees in steps of {:g}; "
+                   "lidars.{}.angle_min and angle_step [rad] say it otherwise",
+                   lidar, angles.doubt, angles.min_rad / degree,
+                   (angles.min_rad + angles.step_rad * static_cast<double>(beams - 1)) / degree,
+                   angles.step_rad / degree, lidar)});
 }
 
 // ROBOTLASER<k> type start_angle fov resolution max_range accuracy remission_mode n r_1 .. r_n n_remissions
@@ -220,8 +241,8 @@ void CarmenLog::parse_robotlaser(Fields& fields, LogRecord& record) const {
   Scan& scan = record.scan;
   fields.number<double>("a laser type");
   scan.angle_min_rad = fields.bounded("a start angle within two turns", kMaxBearingRad);
-  const double fov_rad = fields.bounded("a field of view within two turns", kMaxBearingRad);
-  const double resolution_rad = fields.bounded("an angle step within two turns", kMaxBearingRad);
+  const StatedAngle fov = read_angle(fields, "a field of view within two turns");
+  const StatedAngle resolution = read_angle(fields, "an angle step within two turns");
   const double max_range_m = fields.number<double>("a maximum range");
   fields.number<double>("an accuracy");
   fields.number<double>("a remission mode");
@@ -233,7 +254,7 @@ void CarmenLog::parse_robotlaser(Fields& fields, LogRecord& record) const {
   for (int i = 0; i < 5; ++i) fields.number<double>("velocities, distances and axis");
   record.stamp_s = scan.stamp_s = read_end(fields, lines_.terminated());
 
-  scan.angle_step_rad = step_from(fov_rad, resolution_rad, scan.ranges_m.size());
+  scan.angle_step_rad = beam_step_rad(fov, resolution, scan.ranges_m.size());
   const double last_rad = scan.angle_step_rad * static_cast<double>(scan.ranges_m.size() - 1);
   if (!(std::fabs(last_rad) <= kMaxBearingRad)) throw BrokenLine{"expected beams within two turns"};
   if (scan.ranges_m.size() > 1 && scan.angle_step_rad == 0.0)
@@ -255,6 +276,19 @@ void CarmenLog::count_scan(const LogRecord& record) {
   std::size_t& beams = beams_of_sensor_[sensor_index(record.scan.sensor)];
   if (beams != 0 && beams != record.scan.ranges_m.size()) ++warnings_.beam_count_changes;
   beams = record.scan.ranges_m.size();
+  if (auto note = mounts_.look(record)) warnings_.notes.push_back(std::move(*note));
+}
+
+// By type, for the first few types: a file may hold any words.
+void CarmenLog::count_unread(std::string_view name) {
+  ++warnings_.unknown_messages;
+  auto& unread = warnings_.unread;
+  const auto same = [&](const auto& entry) { return entry.first == name; };
+  const auto known = std::find_if(unread.begin(), unread.end(), same);
+  if (known != unread.end())
+    ++known->second;
+  else if (unread.size() < kMaxMessages)
+    unread.emplace_back(name, 1);
 }
 
 void CarmenLog::count_broken(const std::string& why) {
@@ -277,7 +311,10 @@ std::unique_ptr<LogReader> carmen_log_from_text(const std::string& text, const s
 std::string carmen_line(const LogRecord& record) {
   const Scan& scan = record.scan;
   const std::size_t n = scan.ranges_m.size();
-  const double fov_rad = n > 0 ? scan.angle_step_rad * static_cast<double>(n - 1) : 0.0;
+  // No line can say that a LiDAR is upside down, but one may count its angles clockwise.
+  const double sign = scan.upside_down ? -1.0 : 1.0;
+  const double min_rad = sign * scan.angle_min_rad, step_rad = sign * scan.angle_step_rad;
+  const double fov_rad = n > 0 ? step_rad * static_cast<double>(n - 1) : 0.0;
   const Pose& robot = record.odometry;
   const Pose laser = compose(robot, scan.T_base_sensor);
   std::string line;
@@ -285,7 +322,7 @@ std::string carmen_line(const LogRecord& record) {
   const bool numbered = scan.sensor.size() == 11 && scan.sensor.rfind("robotlaser", 0) == 0;
   const char number = numbered ? robotlaser_number(std::string(kRobotlaser) + scan.sensor.back()) : '\0';
   fmt::format_to(out, "ROBOTLASER{} 0 {:.9f} {:.9f} {:.9f} {:.6f} 0.010000 0 {}", number != 0 ? number : '1',
-                 scan.angle_min_rad, fov_rad, scan.angle_step_rad, scan.range_max_m, n);
+                 min_rad, fov_rad, step_rad, scan.range_max_m, n);
   for (const float range_m : scan.ranges_m) fmt::format_to(out, " {:.4f}", range_m);
   fmt::format_to(out, " 0 {:.9f} {:.9f} {:.9f} {:.9f} {:.9f} {:.9f} 0 0 0 0 0 {:.6f} parloc {:.6f}",
                  laser.x_m, laser.y_m, laser.theta_rad, robot.x_m, robot.y_m, robot.theta_rad, scan.stamp_s,

@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <memory>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "common/math/pose.h"
@@ -23,13 +24,24 @@ struct LogRecord {
   std::size_t line = 0;
 };
 
+/// Something that a log leaves open or states oddly, of one of its LiDARs: said once, as soon as it is seen.
+struct LogNote {
+  enum class About { angles, mount };
+  About about = About::angles;
+  std::string lidar;  ///< Scan::sensor.
+  std::string text;   ///< One line, with the settings that decide it.
+};
+
 /// What a reader worked around. Nothing is dropped without being counted here.
 struct LogWarnings {
   std::size_t broken_lines = 0;     ///< Skipped lines; the first few are described in `messages`.
   std::size_t backward_stamps = 0;  ///< A scan's stamp before that of the previous scan (file order is kept).
   std::size_t beam_count_changes =
       0;  ///< A scan with another number of beams than the one before of its sensor.
-  std::size_t unknown_messages = 0;   ///< Lines of message types that parloc has no use for.
+  std::size_t unknown_messages = 0;  ///< Lines of message types that parloc has no use for.
+  /// The same by type, for the first 20 types, in the order of their first lines.
+  std::vector<std::pair<std::string, std::size_t>> unread;
+  std::vector<LogNote> notes;         ///< At most one of a kind per LiDAR.
   std::vector<std::string> messages;  ///< "file:line: what was expected", at most 20.
 };
 
@@ -45,8 +57,8 @@ class LogReader {
   virtual double progress() const = 0;
 };
 
-/// Opens a CARMEN text log (ODOM, FLASER, RLASER, ROBOTLASER1 to 9; PARAM robot_frontlaser_offset and
-/// robot_rearlaser_offset; comments with #), plain or gzip (told apart by content).
+/// Opens a CARMEN text log (ODOM, FLASER, RLASER, ROBOTLASER1 to 9; the PARAM lines of CarmenParams;
+/// comments with #), plain or gzip (told apart by content).
 /// Throws Error{input} if the file cannot be read.
 std::unique_ptr<LogReader> open_carmen_log(const std::string& path);
 

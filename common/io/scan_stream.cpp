@@ -35,6 +35,9 @@ bool ScanStream::read_record() {
 
 Error no_scan(const std::string& log_name, const LogWarnings& warnings) {
   std::string message = "expected at least one scan, found none";
+  for (const auto& [name, count] : warnings.unread)
+    message += fmt::format("{}{} {}", &name == &warnings.unread.front().first ? "; " : ", ", count, name);
+  if (!warnings.unread.empty()) message += " lines: not read";
   if (!warnings.messages.empty()) message += fmt::format("; {}", warnings.messages.front());
   return input_error(log_name, 0, message);
 }

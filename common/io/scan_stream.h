@@ -48,7 +48,7 @@ class ScanStream {
   double newest_s_ = -std::numeric_limits<double>::infinity();
 };
 
-/// For a log without any.
+/// For a log without any: with what it has instead.
 Error no_scan(const std::string& log_name, const LogWarnings& warnings);
 
 }  // namespace parloc

@@ -2,7 +2,11 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
+#include <array>
 #include <cmath>
+#include <cstddef>
+#include <optional>
 #include <string_view>
 #include <utility>
 
@@ -17,6 +21,7 @@ namespace parloc {
 namespace {
 
 constexpr double kMaxCoordinateM = 1e8;
+constexpr double kMaxHeadingRad = 1e6;
 constexpr double kMaxStampS = 1e12;            // microseconds stay exact in a double
 constexpr double kQuaternionTolerance = 0.01;  // files have quaternions of 3 decimals too
 
@@ -43,9 +48,49 @@ StampedPose read_row(Fields& fields) {
   return row;
 }
 
+// What the first line of a CARMEN log may begin with, but for comments.
+bool is_carmen_name(std::string_view name) {
+  constexpr std::array names = {"FLASER",  "RLASER",     "ODOM",     "PARAM",   "SYNC",   "COMMENT",
+                                "TRUEPOS", "ROBOTLASER", "RAWLASER", "NMEAGGA", "NMEARMC"};
+  return std::any_of(names.begin(), names.end(), [&](std::string_view known) {
+    const std::string_view rest = name.substr(std::min(known.size(), name.size()));
+    return name.substr(0, known.size()) == known &&
+           (rest.empty() || (rest.size() == 1 && rest[0] >= '0' && rest[0] <= '9'));
+  });
+}
+
+// FLASER n r_1 .. r_n x y theta odom_x odom_y odom_theta stamp host logger_stamp; nothing of other messages.
+std::optional<StampedPose> read_flaser(Fields& fields) {
+  if (fields.text() != "FLASER") return std::nullopt;
+  const auto ranges = fields.number<std::size_t>("a number of ranges");
+  if (ranges > fields.bytes_left() / 2)
+    throw BrokenLine{fmt::format("expected a number of ranges, found {}, more than the line holds", ranges)};
+  for (std::size_t i = 0; i < ranges; ++i) fields.number<float>("a range");
+  StampedPose row;
+  row.pose.x_m = fields.bounded("a finite position", kMaxCoordinateM);
+  row.pose.y_m = fields.bounded("a finite position", kMaxCoordinateM);
+  row.pose.theta_rad = wrap64(fields.bounded("a finite heading", kMaxHeadingRad));
+  for (int i = 0; i < 3; ++i) fields.number<double>("odometry");
+  row.stamp_s = fields.bounded("a time stamp", kMaxStampS);
+  fields.text();
+  fields.text();
+  if (!fields.empty()) fields.fail("the end of the line after time stamp, host and logger time stamp");
+  return row;
+}
+
 Trajectory read_rows(LineReader lines) {
-  const Trajectory trajectory = read_text_rows(lines, read_row);
-  if (trajectory.empty()) throw input_error(lines.name(), 0, "expected a pose, found none");
+  std::optional<bool> is_carmen;
+  const auto rows = read_text_rows(lines, [&](Fields& fields) {
+    if (!is_carmen) is_carmen = is_carmen_name(Fields(fields).text());
+    return *is_carmen ? read_flaser(fields) : std::optional<StampedPose>(read_row(fields));
+  });
+  Trajectory trajectory;
+  for (const auto& row : rows)
+    if (row) trajectory.push_back(*row);
+  if (trajectory.empty())
+    throw input_error(lines.name(), 0,
+                      is_carmen.value_or(false) ? "expected a FLASER line with a pose, found none"
+                                                : "expected a pose, found none");
   return trajectory;
 }
 

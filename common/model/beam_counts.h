@@ -12,6 +12,7 @@ struct BeamCounts {
   std::size_t considered = 0;  ///< After even decimation to max_beams.
   std::size_t used = 0;        ///< Gave evidence.
   std::size_t misses = 0;      ///< Among the considered: at or above the maximum, or +inf.
+  std::size_t masked = 0;      ///< Among the considered: they see the robot itself (LidarConfig::mask).
   std::size_t nan = 0, infinite = 0, negative = 0, zero = 0, below_min = 0;  ///< Rejected, by reason.
 
   std::size_t rejected() const { return nan + infinite + negative + below_min + zero; }

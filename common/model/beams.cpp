@@ -12,7 +12,9 @@ namespace {
 
 enum class BeamClass { invalid, hit, miss };
 
-BeamClass classify(float range_m, const LidarSetup& setup, BeamCounts& counts) {
+BeamClass classify(const Scan& scan, const LidarSetup& setup, std::size_t i, BeamCounts& counts) {
+  if (is_masked(scan, setup, i)) return ++counts.masked, BeamClass::invalid;
+  const float range_m = scan.ranges_m[i];
   if (std::isnan(range_m)) return ++counts.nan, BeamClass::invalid;
   if (std::isinf(range_m)) {
     if (range_m > 0) return ++counts.misses, BeamClass::miss;
@@ -31,11 +33,11 @@ BeamClass classify(float range_m, const LidarSetup& setup, BeamCounts& counts) {
 /// Goes through the indices of the beams to take, in ascending order.
 class EvenInAngle {
  public:
-  EvenInAngle(const Scan& scan, int max_beams)
+  EvenInAngle(const Scan& scan, const LidarSetup& setup)
       : bearings_(scan.bearings_rad),
         total_(scan.ranges_m.size()),
-        parts_(std::min(total_, static_cast<std::size_t>(max_beams))) {
-    if (bearings_.size() > 1)
+        parts_(std::min(total_, static_cast<std::size_t>(setup.max_beams))) {
+    if (setup.own_bearings && bearings_.size() > 1)
       spacing_rad_ = (bearings_.back() - bearings_.front()) / static_cast<double>(total_ - 1);
   }
 
@@ -124,14 +126,14 @@ constexpr SinCos64 kNotAskedFor{2.0, 2.0};
 void BeamDirections::expect(const Scan& scan, const LidarSetup& setup) {
   const Pose &known = T_base_sensor_, &now = setup.T_base_sensor;
   const bool same = known.x_m == now.x_m && known.y_m == now.y_m && known.theta_rad == now.theta_rad &&
-                    upside_down_ == setup.upside_down && angle_min_rad_ == scan.angle_min_rad &&
-                    angle_step_rad_ == scan.angle_step_rad && direction_.size() == scan.ranges_m.size();
+                    upside_down_ == setup.upside_down && angle_min_rad_ == setup.angle_min_rad &&
+                    angle_step_rad_ == setup.angle_step_rad && direction_.size() == scan.ranges_m.size();
   const bool were_even = even_;
-  even_ = scan.bearings_rad.empty();
+  even_ = !setup.own_bearings;
   if (same && even_ && were_even) return;
   T_base_sensor_ = now;
   upside_down_ = setup.upside_down;
-  angle_min_rad_ = scan.angle_min_rad, angle_step_rad_ = scan.angle_step_rad;
+  angle_min_rad_ = setup.angle_min_rad, angle_step_rad_ = setup.angle_step_rad;
   direction_.assign(scan.ranges_m.size(), kNotAskedFor);
 }
 
@@ -168,10 +170,10 @@ void select_beams(const Scan& scan, const LidarSetup& setup, const OdometryTrack
   for (const BeamClass pass : {BeamClass::hit, BeamClass::miss}) {
     BeamCounts ignored;
     BeamCounts& c = pass == BeamClass::hit ? counts : ignored;  // count each beam once
-    EvenInAngle chosen(scan, setup.max_beams);
+    EvenInAngle chosen(scan, setup);
     std::size_t i = 0;
     while (chosen.next(i)) {
-      if (classify(scan.ranges_m[i], setup, c) != pass) continue;
+      if (classify(scan, setup, i, c) != pass) continue;
       append_beam(table, place_beam(scan, setup, track, i, directions),
                   pass == BeamClass::hit ? scan.ranges_m[i] : table.range_max_m, sensor, inv_resolution);
     }
@@ -192,7 +194,7 @@ std::vector<EndPoint> end_points(const Scan& scan, const LidarSetup& setup, cons
   BeamCounts ignored;
   for (std::size_t i = 0; i < scan.ranges_m.size(); ++i) {
     const float range_m = scan.ranges_m[i];
-    if (classify(range_m, setup, ignored) != BeamClass::hit) continue;
+    if (classify(scan, setup, i, ignored) != BeamClass::hit) continue;
     const PlacedBeam beam = place_beam(scan, setup, track, i);
     points.push_back({static_cast<float>(beam.end_x_m(range_m)), static_cast<float>(beam.end_y_m(range_m))});
   }

@@ -5,6 +5,7 @@
 #include <string>
 
 #include "common/error.h"
+#include "common/math/portable64.h"
 
 namespace parloc {
 namespace {
@@ -44,7 +45,11 @@ LidarSetup lidar_setup(const Scan& scan, const ScanConfig& config, const LidarCo
   LidarSetup s;
   s.T_base_sensor = {l.x.value_or(scan.T_base_sensor.x_m), l.y.value_or(scan.T_base_sensor.y_m),
                      l.yaw.value_or(scan.T_base_sensor.theta_rad)};
-  s.upside_down = l.upside_down;
+  s.upside_down = l.upside_down ? *l.upside_down : l.flipped.value_or(scan.upside_down);
+  s.own_bearings = !b.empty() && !l.angle_min && !l.angle_step;
+  s.angle_min_rad = l.angle_min.value_or(b.empty() ? scan.angle_min_rad : b.front());
+  s.angle_step_rad = l.angle_step.value_or(scan.angle_step_rad);
+  if (!l.mask.empty()) s.mask = &l.mask;
   s.range_min_m = l.min_range.value_or(above_zero_or(scan.range_min_m, config.laser_min_range));
   s.range_max_m = l.max_range.value_or(above_zero_or(scan.range_max_m, config.laser_max_range));
   s.max_beams = l.max_beams.value_or(config.max_beams);
@@ -79,10 +84,25 @@ double latest_beam_s(const Scan& scan, const LidarSetup& setup) {
 }
 
 double beam_bearing_rad(const Scan& scan, const LidarSetup& setup, std::size_t i) {
-  const double bearing_rad = scan.bearings_rad.empty()
-                                 ? scan.angle_min_rad + static_cast<double>(i) * scan.angle_step_rad
-                                 : scan.bearings_rad[i];
+  const double bearing_rad = setup.own_bearings
+                                 ? scan.bearings_rad[i]
+                                 : setup.angle_min_rad + static_cast<double>(i) * setup.angle_step_rad;
   return setup.upside_down ? -bearing_rad : bearing_rad;
+}
+
+bool is_masked(const Scan& scan, const LidarSetup& setup, std::size_t i) {
+  if (setup.mask == nullptr) return false;
+  const double bearing_rad = beam_bearing_rad(scan, setup, i);
+  const auto turn = [](double angle_rad) {  // to [0, 2 pi)
+    const double wrapped = wrap64(angle_rad);
+    return wrapped < 0.0 ? wrapped + 2.0 * kPi : wrapped;
+  };
+  // An end that a bearing meets but for rounding belongs to the interval.
+  constexpr double rounding_rad = 1e-9;
+  return std::any_of(setup.mask->begin(), setup.mask->end(), [&](const AngleInterval& masked) {
+    return turn(bearing_rad - masked.from + rounding_rad) <=
+           turn(masked.to - masked.from) + 2.0 * rounding_rad;
+  });
 }
 
 }  // namespace parloc

@@ -22,6 +22,7 @@ const std::vector<Choice<FieldLookup>> kFieldLookups{{"nearest", FieldLookup::ne
                                                      {"bilinear", FieldLookup::bilinear}};
 
 constexpr const char* kLidars = "lidars";
+constexpr std::size_t kMostMasked = 32;
 
 std::vector<Setting> settings_of(LidarConfig& lidar) {
   Settings s;
@@ -30,6 +31,12 @@ std::vector<Setting> settings_of(LidarConfig& lidar) {
   s.add("y", "... to the left [m]", lidar.y, {-100, 100});
   s.add("yaw", "... and where its angle 0 looks, counter-clockwise [rad]", lidar.yaw, {-6.3, 6.3});
   s.add("upside_down", "Mirrored about its own x axis: its angles run clockwise", lidar.upside_down);
+  s.add("flipped", "The same, in CARMEN's word", lidar.flipped);
+  s.add("angle_min", "Where its first beam looks, over what the log says [rad]", lidar.angle_min,
+        {-6.3, 6.3});
+  s.add("angle_step", "... and from beam to beam, below 0 clockwise [rad]", lidar.angle_step, {-3.2, 3.2});
+  s.add("mask", "Beams that see the robot itself, as it is mounted: not used [rad]", lidar.mask, {-6.3, 6.3},
+        kMostMasked);
   s.add("min_range", "Shortest range [m]", lidar.min_range, {0, 1000});
   s.add("max_range", "Longest range [m]", lidar.max_range, {0, 1000, true});
   s.add("zero_policy", "As scan.zero_policy", lidar.zero_policy, kZeroPolicies);
@@ -41,7 +48,20 @@ std::vector<Setting> settings_of(LidarConfig& lidar) {
 
 /// A LiDAR that says everything.
 LidarConfig example_lidar() {
-  return {"front", 0.0, 0.0, 0.0, false, 0.1, 40.0, 100, ZeroPolicy::invalid, 0.0, StampAt::first};
+  return {.name = "front",
+          .x = 0.0,
+          .y = 0.0,
+          .yaw = 0.0,
+          .upside_down = false,
+          .angle_min = -1.5708,
+          .angle_step = 0.00873,
+          .mask = {{2.5, -2.5}},
+          .min_range = 0.1,
+          .max_range = 40.0,
+          .max_beams = 100,
+          .zero_policy = ZeroPolicy::invalid,
+          .scan_time = 0.0,
+          .stamp_at = StampAt::first};
 }
 
 LidarConfig& lidar_named(const std::string& name, std::vector<LidarConfig>& lidars) {
@@ -60,6 +80,12 @@ std::optional<Violation> broken_rule(const LidarConfig& lidar, const ScanConfig&
   for (const Setting& setting : settings_of(copy))
     if (const std::string message = limits_message(setting); !message.empty())
       return Violation{setting.name(), message};
+  if (lidar.upside_down && lidar.flipped && *lidar.upside_down != *lidar.flipped)
+    return Violation{
+        group + ".flipped",
+        fmt::format("{0}.flipped is another word for {0}.upside_down: they must not differ", group)};
+  if (lidar.angle_step && *lidar.angle_step == 0.0)
+    return Violation{group + ".angle_step", fmt::format("{}.angle_step must not be 0", group)};
   if (lidar.min_range && lidar.max_range && *lidar.min_range >= *lidar.max_range)
     return Violation{group + ".min_range", fmt::format("{}.min_range ({}) must be below {}.max_range ({})",
                                                        group, *lidar.min_range, group, *lidar.max_range)};

@@ -14,6 +14,7 @@ struct Scan {
   double stamp_s = 0.0;
   std::string sensor{};  ///< Which LiDAR: "front", "rear", "robotlaser1"; may be empty where there is one.
   Pose T_base_sensor{};
+  bool upside_down = false;  ///< As the log says: mirrored about its own x axis, angles run clockwise.
   double angle_min_rad = 0.0;
   double angle_step_rad = 0.0;
   double range_min_m = 0.0;       ///< 0: the log does not say.

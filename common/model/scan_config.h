@@ -3,6 +3,7 @@
 
 #include <optional>
 #include <string>
+#include <vector>
 
 namespace parloc {
 
@@ -20,12 +21,22 @@ struct ScanConfig {
   StampAt stamp_at = StampAt::first;  ///< As in ROS.
 };
 
+/// From one angle counter-clockwise to another, both included: [3.0, -3.0] crosses the back [rad].
+struct AngleInterval {
+  double from = 0.0;
+  double to = 0.0;
+};
+
 /// What the log does not say of one LiDAR, or says wrongly. What is empty is as the log says, then as
 /// ScanConfig does.
 struct LidarConfig {
   std::string name;                       ///< As the log calls it (Scan::sensor).
   std::optional<double> x{}, y{}, yaw{};  ///< Pose on the robot [m, rad].
-  bool upside_down = false;               ///< Mirrored about its own x axis: angles run the other way.
+  /// Mirrored about its own x axis: angles run the other way. The second is CARMEN's word for the same thing.
+  std::optional<bool> upside_down{}, flipped{};
+  std::optional<double> angle_min{}, angle_step{};  ///< Of its first beam; from beam to beam [rad].
+  /// Beams that see the robot itself: never used. Angles as it is mounted: counter-clockwise from its x axis.
+  std::vector<AngleInterval> mask{};
   std::optional<double> min_range{}, max_range{};  ///< [m]
   std::optional<int> max_beams{};
   std::optional<ZeroPolicy> zero_policy{};

@@ -35,7 +35,34 @@ class Reader {
     if (section_.has(setting_.key)) choice.choose(chosen);
   }
 
+  /// [[from, to], ...], or one [from, to].
+  void operator()(const IntervalsSetting& list) const {
+    const std::string expected = fmt::format("a list of up to {} intervals [from, to]", list.most);
+    const std::vector<YamlNode>& items = section_.list(setting_.key, expected, 0);
+    if (!section_.has(setting_.key)) return;
+    const auto end = [&](const YamlNode& node) {
+      return section_.number_in(node, setting_.name(), list.limits.low, list.limits.high);
+    };
+    std::vector<std::pair<double, double>> intervals;
+    if (items.size() == 2 && items[0].kind != YamlKind::list && items[1].kind != YamlKind::list) {
+      intervals.emplace_back(end(items[0]), end(items[1]));
+    } else {
+      if (items.size() > list.most) throw wrong(expected, fmt::format("a list of {}", items.size()));
+      for (const YamlNode& item : items) {
+        if (item.kind != YamlKind::list || item.items.size() != 2)
+          throw wrong(expected, "one that is not [from, to]");
+        intervals.emplace_back(end(item.items[0]), end(item.items[1]));
+      }
+    }
+    list.set(intervals);
+  }
+
  private:
+  Error wrong(const std::string& expected, const std::string& got) const {
+    return section_.error_at(section_.line(setting_.key),
+                             fmt::format("{}: expected {}, got {}", setting_.name(), expected, got));
+  }
+
   const YamlSection& section_;
   const Setting& setting_;
 };

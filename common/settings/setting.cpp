@@ -54,7 +54,11 @@ std::string allowed_text(const Setting& setting) {
                                },
                                [](const FlagSetting&) { return std::string("true or false"); },
                                [](const TextSetting&) { return std::string("a text"); },
-                               [](const ChoiceSetting& choice) { return choices_text(choice.names); }},
+                               [](const ChoiceSetting& choice) { return choices_text(choice.names); },
+                               [](const IntervalsSetting& list) {
+                                 return fmt::format("up to {} of [from, to], each {}", list.most,
+                                                    limits_text(list.limits.low, list.limits.high, false));
+                               }},
                     setting.value);
 }
 
@@ -72,6 +76,12 @@ std::optional<std::string> value_text(const Setting& setting) {
                  [](const ChoiceSetting& choice) {
                    const char* name = choice.name();
                    return choice.number() ? Text(name != nullptr ? name : "?") : Text();
+                 },
+                 [](const IntervalsSetting& list) {
+                   std::string text;
+                   for (const auto& [from, to] : list.get())
+                     text += fmt::format("{}[{}, {}]", text.empty() ? "" : ", ", from, to);
+                   return text.empty() ? Text() : Text("[" + text + "]");
                  }},
       setting.value);
 }
@@ -96,6 +106,15 @@ std::string limits_message(const Setting& setting) {
                                  const std::optional<int> number = choice.number();
                                  const bool allowed = !number || choice.name() != nullptr;
                                  return allowed ? std::string() : must(fmt::format("the number {}", *number));
+                               },
+                               [&](const IntervalsSetting& list) {
+                                 const auto intervals = list.get();
+                                 if (intervals.size() > list.most)
+                                   return must(fmt::format("{} of them", intervals.size()));
+                                 for (const auto& [from, to] : intervals)
+                                   if (!within(from, list.limits) || !within(to, list.limits))
+                                     return must(fmt::format("[{}, {}]", from, to));
+                                 return std::string();
                                }},
                     setting.value);
 }

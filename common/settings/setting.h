@@ -73,6 +73,13 @@ using FlagSetting = Slot<bool>;
 struct TextSetting {
   std::string* text;
 };
+/// Intervals of a circle, [from, to] each; none is as if it were missing.
+struct IntervalsSetting {
+  std::function<std::vector<std::pair<double, double>>()> get;
+  std::function<void(const std::vector<std::pair<double, double>>& intervals)> set;
+  Limits<double> limits;  ///< Of both ends.
+  std::size_t most = 0;   ///< Intervals.
+};
 /// An enumeration, by the names of its values.
 struct ChoiceSetting {
   std::vector<std::pair<const char*, std::size_t>> names;  ///< Each with its index.
@@ -87,7 +94,7 @@ struct Setting {
   std::string key;
   std::string doc;  ///< One line, with the unit in brackets.
   std::variant<NumberSetting<int>, NumberSetting<std::int64_t>, NumberSetting<std::uint64_t>,
-               NumberSetting<double>, FlagSetting, TextSetting, ChoiceSetting>
+               NumberSetting<double>, FlagSetting, TextSetting, ChoiceSetting, IntervalsSetting>
       value;
 
   /// "motion.alpha1", or "particles" at the top level.
@@ -141,6 +148,24 @@ class Settings {
   }
   void add(const char* key, const char* doc, bool& value) { append(key, doc, FlagSetting(value)); }
   void add(const char* key, const char* doc, std::string& value) { append(key, doc, TextSetting{&value}); }
+  void add(const char* key, const char* doc, std::optional<bool>& value) {
+    append(key, doc, FlagSetting(value));
+  }
+  /// Interval: {from, to}.
+  template <class Interval>
+  void add(const char* key, const char* doc, std::vector<Interval>& value, Limits<double> limits,
+           std::size_t most) {
+    const auto get = [&value] {
+      std::vector<std::pair<double, double>> intervals;
+      for (const Interval& i : value) intervals.emplace_back(i.from, i.to);
+      return intervals;
+    };
+    const auto set = [&value](const std::vector<std::pair<double, double>>& intervals) {
+      value.clear();
+      for (const auto& [from, to] : intervals) value.push_back({from, to});
+    };
+    append(key, doc, IntervalsSetting{get, set, limits, most});
+  }
   template <class Enum>
   void add(const char* key, const char* doc, Enum& value, const std::vector<Choice<Enum>>& choices) {
     append(key, doc, by_name(Slot<Enum>(value), choices));

@@ -198,6 +198,7 @@ INSTANTIATE_TEST_SUITE_P(
 
 // From the second step on, though the number goes up later than that.
 TEST(AdaptiveSteps, NothingIsAllocatedInAStep) {
+  if (!test::counts_allocations()) GTEST_SKIP() << "the sanitizer has its own allocator";
   const FilterBackendConfig c{.particles = 20000,
                               .threads = 1,  // a team of threads is the OpenMP library's
                               .resample = {.threshold = 1.0},

@@ -238,6 +238,7 @@ TEST(SearchSlices, ASmallRegionIsLittleWork) {
 }
 
 TEST(SearchSlices, AllocateNothingOnceGrown) {
+  if (!counts_allocations()) GTEST_SKIP() << "the sanitizer has its own allocator";
   const GridMap map = two_rooms();
   const BeamTable beams = beams_of(map, seen_from(map, kSomewhere, 90, 1.2, 3.0));
   GlobalSearch search(map, small_config(), cpu_threads(1));

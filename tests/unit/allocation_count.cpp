@@ -9,6 +9,19 @@ namespace {
 std::atomic<std::size_t> count{0};
 }
 
+#if defined(__has_feature)
+#if __has_feature(thread_sanitizer)
+#define PARLOC_FOREIGN_ALLOCATOR
+#endif
+#endif
+
+#ifdef PARLOC_FOREIGN_ALLOCATOR
+namespace parloc::test {
+bool counts_allocations() {
+  return false;
+}
+}  // namespace parloc::test
+#else
 void* operator new(std::size_t size) {
   ++count;
   if (void* p = std::malloc(size > 0 ? size : 1)) return p;
@@ -27,6 +40,13 @@ void operator delete(void* p) noexcept {
 void operator delete(void* p, std::size_t) noexcept {
   std::free(p);
 }
+
+namespace parloc::test {
+bool counts_allocations() {
+  return true;
+}
+}  // namespace parloc::test
+#endif
 
 namespace parloc::test {
 std::size_t allocations() {

@@ -5,6 +5,8 @@
 
 namespace parloc::test {
 
+/// False where a sanitizer's own allocator cannot be replaced (clang's TSan): such tests are then skipped.
+bool counts_allocations();
 std::size_t allocations();
 
 }  // namespace parloc::test

@@ -229,6 +229,58 @@ TEST(Mounting, WhatIsConfiguredComesBeforeTheLog) {
   expect_same_bits(take(scan, {}, &lidar).beams, take(turned).beams);
 }
 
+TEST(Mounting, AnglesThatAreConfiguredComeBeforeTheLog) {
+  Scan scan = fan(30), other = fan(30, 0.3, -0.02);
+  LidarConfig lidar;
+  lidar.angle_min = 0.3;
+  lidar.angle_step = -0.02;
+  expect_same_bits(take(scan, {}, &lidar).beams, take(other).beams);
+  for (int i = 0; i < 30; ++i) scan.bearings_rad.push_back(0.001 * i * i);
+  expect_same_bits(take(scan, {}, &lidar).beams, take(other).beams);
+}
+
+TEST(Mounting, FlippedIsUpsideDownAndTheSettingDecides) {
+  LidarConfig upside_down, flipped, neither;
+  upside_down.upside_down = flipped.flipped = true;
+  neither.flipped = false;
+  const Scan scan = fan(30, -0.4, 0.03);
+  Scan said = scan;
+  said.upside_down = true;
+  const BeamTable mirrored = take(scan, {}, &upside_down).beams;
+  expect_same_bits(take(scan, {}, &flipped).beams, mirrored);
+  expect_same_bits(take(said).beams, mirrored);
+  expect_same_bits(take(said, {}, &neither).beams, take(scan).beams);
+}
+
+// As if they had not been measured, whatever they say.
+TEST(Mounting, MaskedBeamsAreAsNan) {
+  const Scan scan = fan(63, -3.1, 0.1);
+  LidarConfig lidar;
+  lidar.mask = {{-0.5, 0.2}, {3.0, -3.0}};
+  Scan without = scan;
+  std::size_t masked = 0;
+  for (std::size_t i = 0; i < 63; ++i) {
+    const double bearing_rad = -3.1 + 0.1 * static_cast<double>(i);
+    const bool hidden = (bearing_rad > -0.501 && bearing_rad < 0.201) || std::fabs(bearing_rad) > 2.999;
+    if (hidden) without.ranges_m[i] = kNan, ++masked;
+  }
+  const Taken taken = take(scan, {}, &lidar);
+  expect_same_bits(taken.beams, take(without).beams);
+  EXPECT_EQ(taken.counts.masked, masked);
+  EXPECT_EQ(taken.counts.rejected(), 0u);
+  const LidarSetup setup = lidar_setup(scan, {}, &lidar);
+  EXPECT_EQ(end_points(scan, setup, nullptr).size(),
+            end_points(without, lidar_setup(without, {}), nullptr).size());
+  // Upside down, what was on the left is on the right; the mask stays where the robot is.
+  lidar.mask = {{0.05, 0.25}};
+  lidar.upside_down = true;
+  Scan left_out = scan;
+  left_out.ranges_m[30] = left_out.ranges_m[29] = kNan;  // -0.1 and -0.2
+  LidarConfig mirrored;
+  mirrored.upside_down = true;
+  expect_same_bits(take(scan, {}, &lidar).beams, take(left_out, {}, &mirrored).beams);
+}
+
 // ---- when each beam was taken ----------------------------------------------------------------------------
 
 // A LiDAR whose geometry changes between scans, and one that moves while it scans, in between.

@@ -172,6 +172,7 @@ struct Changer {
     const bool is_first = choice.name() == std::string(choice.names.front().first);
     choice.choose(is_first ? choice.names.size() - 1 : 0);
   }
+  void operator()(const IntervalsSetting& list) const { list.set({{list.limits.low, list.limits.high / 3}}); }
   bool is_share;
 };
 
@@ -188,11 +189,11 @@ TEST(Config, LidarsHaveAnEntryEach) {
   EXPECT_EQ(front.x, 0.2);
   EXPECT_EQ(front.y, -0.1);
   EXPECT_EQ(front.yaw, 0.5);
-  EXPECT_FALSE(front.upside_down);
+  EXPECT_FALSE(front.upside_down.has_value());
   EXPECT_FALSE(front.max_beams || front.min_range || front.scan_time);
   EXPECT_EQ(other.name, "robotlaser2");
   EXPECT_FALSE(other.x || other.y || other.yaw);
-  EXPECT_TRUE(other.upside_down);
+  EXPECT_EQ(other.upside_down, true);
   EXPECT_EQ(other.max_beams, 40);
   EXPECT_EQ(other.min_range, 0.05);
   EXPECT_EQ(other.max_range, 12.0);
@@ -202,6 +203,26 @@ TEST(Config, LidarsHaveAnEntryEach) {
   const std::string printed = config_to_yaml(c);
   EXPECT_EQ(config_to_yaml(config_from_text(printed, "printed")), printed);
   expect_parts(printed, {"\n  robotlaser2:\n"});
+}
+
+TEST(Config, AnglesAndMasksOfALidar) {
+  const Config c = config_from_text(
+      "lidars:\n  front: {angle_min: -2.356, angle_step: 0.0087, flipped: true, mask: [[-0.3, 0.2], [3, "
+      "-3]]}\n"
+      "  rear: {mask: [1.5, 1.75]}\n",
+      "c.yaml");
+  ASSERT_EQ(c.lidars.size(), 2u);
+  EXPECT_EQ(c.lidars[0].angle_min, -2.356);
+  EXPECT_EQ(c.lidars[0].angle_step, 0.0087);
+  EXPECT_EQ(c.lidars[0].flipped, true);
+  ASSERT_EQ(c.lidars[0].mask.size(), 2u);
+  EXPECT_EQ(c.lidars[0].mask[1].from, 3.0);
+  EXPECT_EQ(c.lidars[0].mask[1].to, -3.0);
+  ASSERT_EQ(c.lidars[1].mask.size(), 1u) << "one interval needs no list of them";
+  EXPECT_EQ(c.lidars[1].mask[0].to, 1.75);
+  const std::string printed = config_to_yaml(c);
+  EXPECT_EQ(config_to_yaml(config_from_text(printed, "printed")), printed);
+  expect_parts(printed, {"mask: [[-0.3, 0.2], [3, -3]]"});
 }
 
 TEST(Config, TheExampleOfALidarIsValid) {
@@ -232,6 +253,14 @@ TEST(Config, MistakesInLidarsHaveOneClearLine) {
       {"lidars:\n  front:\n    yaw: 90\n", "c.yaml:3: lidars.front.yaw must be -6.3 to 6.3, got 90"},
       {"lidars:\n  front:\n    upside_down: 1\n",
        "c.yaml:3: lidars.front.upside_down: expected true or false, got '1'"},
+      {"lidars:\n  front: {angle_step: 0}\n", "c.yaml:2: lidars.front.angle_step must not be 0"},
+      {"lidars:\n  front: {upside_down: true, flipped: false}\n",
+       "c.yaml:2: lidars.front.flipped is another word for lidars.front.upside_down: they must not differ"},
+      {"lidars:\n  front:\n    mask: 3\n",
+       "c.yaml:3: lidars.front.mask: expected a list of up to 32 intervals [from, to], got '3'"},
+      {"lidars:\n  front:\n    mask: [[1, 2], [3]]\n",
+       "c.yaml:3: lidars.front.mask: expected a list of up to 32 intervals [from, to], got one that is not"},
+      {"lidars:\n  front:\n    mask: [[1, 90]]\n", "c.yaml:3: lidars.front.mask must be -6.3 to 6.3, got 90"},
       {"lidars:\n  front:\n    stamp_at: end\n",
        "c.yaml:3: lidars.front.stamp_at: expected first, middle or last, got 'end'"},
       {"lidars:\n  front: {x: 1}\n  front: {y: 1}\n",

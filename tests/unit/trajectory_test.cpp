@@ -43,6 +43,25 @@ TEST(Tum, HeadingIsTheYawOfAnyQuaternion) {
   EXPECT_NEAR(yaw_of("1 0 0 0 0 0 0.603 0.804"), yaw_rad, 1e-15);
 }
 
+TEST(Tum, FlaserLinesAreATrajectoryToo) {
+  const Trajectory t = tum_from_text(
+      "# CARMEN Logfile\nPARAM robot_length 1 h 0\nODOM 9 9 9 0 0 0 1 h 1\n"
+      "FLASER 0 1.5 -2.5 4.0 7 8 9 100.250000 nohost 0.5\nSYNC x 1 h 1\n"
+      "FLASER 2 3.0 4.0 1 2 0.5 7 8 9 99.5 nohost 0.5\r\n",
+      "t.log");
+  ASSERT_EQ(t.size(), 2u);
+  EXPECT_EQ(t[0].stamp_s, 100.25);
+  expect_near(t[0].pose, {1.5, -2.5, 4.0 - 2.0 * M_PI}, 0.0, 1e-15);
+  EXPECT_EQ(t[1].stamp_s, 99.5);
+  expect_near(t[1].pose, {1.0, 2.0, 0.5}, 0.0, 0.0);
+  EXPECT_EQ(error_of([] { tum_from_text("FLASER 0 1 2 x 0 0 0 1 h 1\n", "t.log"); }),
+            "t.log:1: expected a finite heading, found 'x'");
+  EXPECT_EQ(error_of([] { tum_from_text("ODOM 1 2 3 0 0 0 1 h 1\n", "t.log"); }),
+            "t.log: expected a FLASER line with a pose, found none");
+  EXPECT_EQ(error_of([] { tum_from_text("FLASER 99 1 2 3 0 0 0 1 h\n", "t.log"); }),
+            "t.log:1: expected a number of ranges, found 99, more than the line holds");
+}
+
 TEST(Tum, ErrorsNameFileLineAndWhatWasExpected) {
   const std::pair<std::string, const char*> cases[] = {
       {"# c\n1 2 3 0 0 0 0\n", "t.tum:2: expected a unit quaternion, found the end of the line"},

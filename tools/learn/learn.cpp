@@ -19,6 +19,7 @@
 #include "tools/learn/learn.h"
 #include "tools/learn/odometry_delay.h"
 #include "tools/program/commands.h"
+#include "tools/program/note_teller.h"
 #include "tools/program/output_folder.h"
 #include "tools/program/parse_number.h"
 #include "tools/program/progress.h"
@@ -99,10 +100,12 @@ RangePairsOfLog collect(const LearnOptions& o, const Config& config) {
   const std::unique_ptr<LogReader> log = open_log(o.log, log_choice(config));
   const Trajectory truth = read_tum(o.truth);
   Progress progress(o.quiet);
-  return collect_range_pairs(map, *log, truth, config, [&](double fraction) {
+  const RangePairsOfLog found = collect_range_pairs(map, *log, truth, config, [&](double fraction) {
     progress.update(fraction);
     return !interrupted();
   });
+  NoteTeller(o.log, config.lidars, o.quiet).tell(log->warnings());
+  return found;
 }
 
 [[noreturn]] void refuse(const LearnOptions& o, const RangePairsOfLog& found) {

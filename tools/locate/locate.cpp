@@ -17,11 +17,13 @@
 #include "common/filter/filter_settings.h"
 #include "common/io/open_log.h"
 #include "common/io/scan_file.h"
+#include "common/io/scan_stream.h"
 #include "common/map/map_reader.h"
 #include "common/model/beams.h"
 #include "common/model/lidar.h"
 #include "common/search/global_search.h"
 #include "tools/program/commands.h"
+#include "tools/program/note_teller.h"
 #include "tools/program/output_folder.h"
 #include "tools/program/parse_number.h"
 #include "tools/report/machine/statistics.h"
@@ -68,30 +70,31 @@ struct ChosenScan {
   std::string name;  ///< For people.
 };
 
-ChosenScan scan_of_log(const LocateOptions& o) {
+ChosenScan scan_of_log(const LocateOptions& o, const Config& config) {
   const double at_s = o.at.empty() ? 0.0 : parse_number("--at", o.at, 0.0, 1e9);
   const auto number = o.number.empty() ? 0 : parse_whole_number<std::size_t>("--scan-number", o.number);
   if (!o.number.empty() && number == 0)
     throw Error(ErrorKind::usage, "--scan-number: expected a whole number from 1 up, got '0'");
   const auto log = open_log(o.log);
+  NoteTeller notes(o.log, config.lidars);
   std::size_t seen = 0;
   double first_s = 0.0;
   for (LogRecord record; log->next(record);) {
+    notes.tell(log->warnings());
     if (record.kind != RecordKind::scan) continue;
     if (++seen == 1) first_s = record.stamp_s;
     if (number > 0 ? seen == number : record.stamp_s - first_s >= at_s)
       return {record.scan,
               fmt::format("scan {} of {}, {:.3f} s after the first", seen, o.log, record.stamp_s - first_s)};
   }
-  if (seen == 0)
-    throw input_error(o.log, 0, "expected at least one scan, found none");
+  if (seen == 0) throw no_scan(o.log, log->warnings());
   throw input_error(o.log, 0,
                     number > 0
                         ? fmt::format("expected {} scans, found {}", number, seen)
                         : fmt::format("expected a scan {} s after the first, the log ends before", at_s));
 }
 
-ChosenScan choose_scan(const LocateOptions& o) {
+ChosenScan choose_scan(const LocateOptions& o, const Config& config) {
   if (!o.log.empty() && !o.scan.empty()) throw Error(ErrorKind::usage, "expected --log or --scan, not both");
   if (o.log.empty() && !(o.at.empty() && o.number.empty()))
     throw Error(ErrorKind::usage, "--at and --scan-number choose a scan of a log: expected --log");
@@ -99,7 +102,7 @@ ChosenScan choose_scan(const LocateOptions& o) {
     throw Error(ErrorKind::usage, "expected --at or --scan-number, not both");
   if (!o.scan.empty()) return {read_scan(o.scan), o.scan};
   if (o.log.empty()) throw Error(ErrorKind::usage, "expected a scan: --log LOG or --scan S.yaml");
-  return scan_of_log(o);
+  return scan_of_log(o, config);
 }
 
 /// Everything that is told of a search.
@@ -177,7 +180,7 @@ int locate(const LocateOptions& o, const std::string&) {
   const SearchConfig searching = search_config(o, config);
   const SearchPrior prior = parse_search_prior(o.near, o.heading);
   const GridMap map = read_map(o.map);
-  const ChosenScan chosen = choose_scan(o);
+  const ChosenScan chosen = choose_scan(o, config);
   std::unique_ptr<OutputFolder> out;
   if (!o.out.empty()) out = std::make_unique<OutputFolder>(o.out, std::vector<std::string>{kJson, kPicture});
 

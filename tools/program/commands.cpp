@@ -21,7 +21,10 @@ bool set_whole_number(Config& config, const std::string& name, const char* optio
     if (setting.name() != name) continue;
     std::visit(
         [&]<class Value>(const Value& value) {
-          if constexpr (requires { value.limits; })
+          if constexpr (requires {
+                          value.slot.get();
+                          value.limits;
+                        })
             value.slot.set(parse_whole_number(option, text, value.limits.low, value.limits.high));
         },
         setting.value);

@@ -11,6 +11,7 @@
 
 #include "common/error.h"
 #include "common/io/open_log.h"
+#include "common/io/scan_stream.h"
 
 namespace parloc::tools {
 
@@ -49,8 +50,7 @@ std::vector<LogRecord> read_whole_log(const std::string& path, const LogChoice& 
   const auto reader = open_log(path, choice);
   for (LogRecord record; reader->next(record);) records.push_back(std::move(record));
   broken_lines = reader->warnings().broken_lines;
-  if (std::none_of(records.begin(), records.end(), is_scan))
-    throw input_error(path, 0, "expected at least one scan, found none");
+  if (std::none_of(records.begin(), records.end(), is_scan)) throw no_scan(path, reader->warnings());
   return records;
 }
 

@@ -198,8 +198,10 @@ std::string modes_text(const std::vector<Mode>& modes) {
 
 Localization localize_log(const GridMap& map, LogReader& log, const LocalizeRequest& request) {
   StrictCheck strict(request.strict, request.log_name);
-  ScanStream scans(log, request.config.scan, request.config.lidars,
-                   [&](std::size_t line) { strict.check_log(log.warnings(), line); });
+  ScanStream scans(log, request.config.scan, request.config.lidars, [&](std::size_t line) {
+    if (request.read) request.read(log.warnings());
+    strict.check_log(log.warnings(), line);
+  });
   LogRecord record;
   if (!scans.next(record)) throw no_scan(request.log_name, log.warnings());
 

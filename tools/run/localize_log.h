@@ -31,6 +31,7 @@ struct LocalizeRequest {
   std::function<void(double fraction, std::size_t scans)>
       progress;                                     ///< Called after every scan; may be empty.
   std::function<void(const ScanAnswer&)> answered;  ///< Likewise, with what is said of it.
+  std::function<void(const LogWarnings&)> read;     ///< Likewise, of every record: for notes as they come.
   std::function<bool()> stop;  ///< Asked before every scan; may be empty. True ends the run early.
 };
 

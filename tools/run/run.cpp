@@ -19,6 +19,7 @@
 #include "common/io/open_log.h"
 #include "common/map/map_reader.h"
 #include "tools/program/commands.h"
+#include "tools/program/note_teller.h"
 #include "tools/program/output_folder.h"
 #include "tools/program/parse_number.h"
 #include "tools/program/progress.h"
@@ -154,6 +155,8 @@ int run(const RunOptions& o, const std::string& typed) {
       progress.update(fraction, fmt::format("{} scans", scans));
     };
     request.answered = [&](const ScanAnswer& answer) { poses.write(answer); };
+    NoteTeller notes(o.log, request.config.lidars, o.quiet);
+    request.read = [&](const LogWarnings& warnings) { notes.tell(warnings); };
     request.stop = interrupted;
     results.run = localize_log(map, *log, request);
   }

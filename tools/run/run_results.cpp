@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "common/config/config.h"
+#include "common/io/log_notes.h"
 #include "tools/report/result_parts.h"
 #include "tools/run/localize_log.h"
 
@@ -163,6 +164,7 @@ std::string beams_text(const LidarUse& lidar, int min_beams) {
     const int digits = percent < 10.0 ? 2 : 3;
     text += fmt::format("; {:.{}g} % dropped: {}", percent, digits, rejected_text(beams));
   }
+  if (beams.masked > 0) text += fmt::format("; {} masked", beams.masked);
   if (beams.misses > 0) text += fmt::format("; {} saw nothing in range", beams.misses);
   if (lidar.too_few > 0) {
     text += fmt::format("; {} of {} scans not weighed: fewer than {} beams left (min_beams)", lidar.too_few,
@@ -254,6 +256,8 @@ std::vector<std::string> warning_lines(const Localization& run) {
   add(run.lost_steps, "steps in which no particle fitted the scan");
   if (const std::string unused = unused_lidars(run.config, run.lidars); !unused.empty())
     lines.push_back(unused);
+  const std::vector<std::string> notes = open_notes(run.warnings.notes, run.config.lidars);
+  lines.insert(lines.end(), notes.begin(), notes.end());
   lines.insert(lines.end(), run.warnings.messages.begin(), run.warnings.messages.end());
   return lines;
 }
@@ -299,6 +303,7 @@ std::string metrics_json(const RunResults& results) {
   for (const LidarUse& lidar : run.lidars) json["lidars"].push_back(lidar_json(lidar));
   for (const auto& [what, count] : counted(run)) json["warnings"][what] = count;
   json["warnings"]["stamps"] = text_or_null(run.times.trouble());
+  json["warnings"]["notes"] = open_notes(run.warnings.notes, run.config.lidars);
   json["warnings"]["messages"] = run.warnings.messages;
   json["backend"] = run.backend;
   json["seed"] = run.config.seed;

@@ -50,7 +50,9 @@ void finish(const GridSlam& slam, Mapping& m) {
 
 Mapping map_log(LogReader& source, const MapRequest& request) {
   DigestedLog log(source);
-  ScanStream scans(log, request.config.scan, request.config.lidars, [](std::size_t) {});
+  ScanStream scans(log, request.config.scan, request.config.lidars, [&](std::size_t) {
+    if (request.read) request.read(log.warnings());
+  });
   LogRecord record;
   if (!scans.next(record)) throw no_scan(request.log_name, log.warnings());
   Checkpoints checkpoints(request, log);

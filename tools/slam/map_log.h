@@ -23,6 +23,8 @@ struct MapRequest {
   Config config;
   std::string log_name;                                              ///< For messages.
   std::function<void(double fraction, std::size_t scans)> progress;  ///< After every scan; may be empty.
+  std::function<void(const LogWarnings&)>
+      read;  ///< After every record; may be empty: for notes as they come.
   /// After every scan that was taken in; may be empty. `scans` were read.
   std::function<void(const GridSlam& slam, std::size_t scans)> watch;
   bool odometry_chosen = false;                  ///< From the scans, since the recorded one never moves.

@@ -7,6 +7,7 @@
 #include <numbers>
 
 #include "common/eval/align.h"
+#include "common/io/log_notes.h"
 #include "common/slam/matching/tiles.h"
 #include "tools/report/machine/statistics.h"
 #include "tools/report/result_parts.h"
@@ -110,6 +111,8 @@ std::vector<std::string> warning_lines(const SlamResults& results) {
                                 m.times.gaps(), ScanTimes::kGap_s, m.times.longest_gap_s()));
   add(m.warnings.beam_count_changes, "scans have another number of beams than the one before");
   add(m.odometry_jumps, "jumps of the odometry");
+  const std::vector<std::string> notes = open_notes(m.warnings.notes, m.config.lidars);
+  lines.insert(lines.end(), notes.begin(), notes.end());
   lines.insert(lines.end(), m.warnings.messages.begin(), m.warnings.messages.end());
   return lines;
 }
@@ -231,6 +234,7 @@ std::string metrics_json(const SlamResults& results) {
                       {"gaps", m.times.gaps()},
                       {"beam_count_changes", m.warnings.beam_count_changes},
                       {"odometry_jumps", m.odometry_jumps},
+                      {"notes", open_notes(m.warnings.notes, m.config.lidars)},
                       {"messages", m.warnings.messages}};
   json["backend"] = m.backend;
   json["seed"] = m.config.seed;

@@ -17,6 +17,7 @@
 #include "common/map/map_reader.h"
 #include "common/slam/slam_settings.h"
 #include "tools/program/commands.h"
+#include "tools/program/note_teller.h"
 #include "tools/program/output_folder.h"
 #include "tools/program/parse_number.h"
 #include "tools/program/progress.h"
@@ -152,6 +153,8 @@ int run(const SlamOptions& o, const std::string& typed) {
       progress.update(fraction,
                       fmt::format("{} scans{}", scans, o.live ? ", see " + out.final_path(kLivePage) : ""));
     };
+    NoteTeller notes(o.log, request.config.lidars, o.quiet);
+    request.read = [&](const LogWarnings& warnings) { notes.tell(warnings); };
     request.stop = interrupted;
     results.mapping = slam::map_log(*log, request);
   }
