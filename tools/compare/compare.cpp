@@ -114,9 +114,13 @@ compare::StartPlan start_of(const CompareOptions& o) {
   return start;
 }
 
+Config base_config(const CompareOptions& o) {
+  return o.config.empty() ? Config{} : read_config(o.config);
+}
+
 compare::Request request_of(const CompareOptions& o) {
   compare::Request r;
-  const Config base = o.config.empty() ? Config{} : read_config(o.config);
+  const Config base = base_config(o);
   r.entries = compare::read_entries(o.filters.empty() ? compare::kDefaultFilters : o.filters, base);
   r.start = start_of(o);
   r.first_seed = whole_within("--seed", o.seed, 0, kLastSeed, 1);
@@ -139,7 +143,7 @@ Scenario scenario_of(const CompareOptions& o) {
 /// Fills in what `c` says of the drives as well.
 LogSource source_of(const CompareOptions& o, Comparison& c) {
   c.map_path = o.map;
-  if (o.scenario.empty()) return compare::recorded_drives(c.plan, o.log, o.truth);
+  if (o.scenario.empty()) return compare::recorded_drives(c.plan, o.log, log_choice(base_config(o)), o.truth);
   const Scenario scenario = scenario_of(o);
   if (c.map_path.empty()) c.map_path = scenario.localization_map_path;
   if (c.map_path.empty())

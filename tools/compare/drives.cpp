@@ -100,11 +100,12 @@ LogSource simulated_drives(const DrivePlan& plan, const Scenario& scenario, cons
   return {log_of, fmt::format("{}: its drive, one per seed", name)};
 }
 
-LogSource recorded_drives(const DrivePlan& plan, const std::string& log, const std::string& truth) {
+LogSource recorded_drives(const DrivePlan& plan, const std::string& log, const LogChoice& choice,
+                          const std::string& truth) {
   TrialLog whole;
   std::size_t broken_lines = 0;
   whole.truth = read_tum(truth);
-  whole.records = read_whole_log(log, broken_lines);
+  whole.records = read_whole_log(log, choice, broken_lines);
   trim(whole, plan, truth);
   const auto log_of = [=](std::uint64_t seed) {
     TrialLog kidnapped = whole;

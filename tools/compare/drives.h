@@ -30,7 +30,8 @@ LogSource simulated_drives(const DrivePlan& plan, const Scenario& scenario, cons
                            const std::string& name);
 /// The same log for every seed. Throws Error{input} as the readers, for a log without a scan, and for a truth
 /// of another time.
-LogSource recorded_drives(const DrivePlan& plan, const std::string& log, const std::string& truth);
+LogSource recorded_drives(const DrivePlan& plan, const std::string& log, const LogChoice& choice,
+                          const std::string& truth);
 
 /// When it happens in the drive of a seed, from the first scan. Seeds in a row spread evenly.
 double kidnapped_after_s(const Kidnapping& kidnapping, std::uint64_t seed);

@@ -165,7 +165,7 @@ LogSource source_of(const EvaluateOptions& o, Evaluation& e) {
   const std::uint64_t left = starts - e.first_seed + 1;
   e.wanted = whole_within("--trials", o.trials, 1, left, left);
   e.map_path = o.map;
-  return evaluate::recorded_trials({o.log, o.truth, starts, e.plan.duration_s});
+  return evaluate::recorded_trials({o.log, o.truth, starts, e.plan.duration_s, log_choice(e.config)});
 }
 
 void run_all(Evaluation& e, const LogSource& source, const GridMap& map, bool quiet) {

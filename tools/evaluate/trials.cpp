@@ -34,7 +34,7 @@ LogSource simulated_trials(const TrialPlan& plan, const Scenario& scenario, cons
 LogSource recorded_trials(const RecordedPlan& plan) {
   const Trajectory truth = read_tum(plan.truth);
   std::size_t broken_lines = 0;
-  const std::vector<LogRecord> records = read_whole_log(plan.log, broken_lines);
+  const std::vector<LogRecord> records = read_whole_log(plan.log, plan.choice, broken_lines);
   std::vector<double> stamps;
   for (const LogRecord& r : records)
     if (is_scan(r)) stamps.push_back(r.stamp_s);

@@ -25,6 +25,7 @@ struct RecordedPlan {
   std::string log, truth;  ///< Files.
   std::size_t starts = 20;
   double duration_s = 0.0;  ///< 0: to the end of the log.
+  LogChoice choice{};       ///< Of a bag.
 };
 
 /// Seed k, from 1 to `starts`, is the log from its kth start time on; these are spread evenly, the first one

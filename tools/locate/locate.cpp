@@ -75,7 +75,7 @@ ChosenScan scan_of_log(const LocateOptions& o, const Config& config) {
   const auto number = o.number.empty() ? 0 : parse_whole_number<std::size_t>("--scan-number", o.number);
   if (!o.number.empty() && number == 0)
     throw Error(ErrorKind::usage, "--scan-number: expected a whole number from 1 up, got '0'");
-  const auto log = open_log(o.log);
+  const auto log = open_log(o.log, log_choice(config));
   NoteTeller notes(o.log, config.lidars);
   std::size_t seen = 0;
   double first_s = 0.0;

@@ -26,7 +26,7 @@ struct RecordedLog {
 /// From the first scan whose true pose is known, for `duration_s`.
 std::vector<LogRecord> read_records(const RecordedDrives& plan, const Trajectory& truth) {
   std::vector<LogRecord> records;
-  const auto log = open_log(plan.log);
+  const auto log = open_log(plan.log, plan.choice);
   for (LogRecord record; log->next(record);) records.push_back(std::move(record));
   std::vector<double> stamps;
   for (const LogRecord& r : records) stamps.push_back(r.stamp_s);

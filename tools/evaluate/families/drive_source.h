@@ -34,6 +34,7 @@ struct RecordedDrives {
   std::string log, truth, map;  ///< Files.
   std::string corrupt;          ///< corruption_from_text(); its seeds are the drives.
   double duration_s = 0.0;      ///< 0: to the end of the log.
+  LogChoice choice{};           ///< Of a bag.
 };
 /// The log from its first scan with a true pose on, whose start is given. Reads all files. Throws
 /// Error{input} as their readers, and for a truth of another time; Error{usage} for `corrupt`.
