@@ -50,7 +50,8 @@ constexpr double kWhite = 65535.0;  ///< Values have 16 bits while they are aver
 class CellOfPixel {
  public:
   CellOfPixel(const GreyImage& image, const MapYaml& yaml) : image_(image), yaml_(yaml) {
-    for (std::size_t v = 0; v < greys_.size(); ++v) greys_[v] = cell_of_shade(257.0 * v / kWhite, yaml);
+    for (std::size_t v = 0; v < greys_.size(); ++v)
+      greys_[v] = cell_of_shade(257.0 * static_cast<double>(v) / kWhite, yaml);
   }
 
   Cell operator()(std::size_t k) const {
@@ -153,11 +154,15 @@ ImageMap read_image_map(const std::string& text, const std::string& yaml_path) {
   const std::string bytes = read_input_file(
       image_path, fmt::format("{}:{}: image {}", yaml_path, read.yaml.image_line, image_path));
   const GreyImage image = image_from_bytes(bytes, image_path);
-  for (const std::uint8_t grey : image.pixels) ++read.greys[grey];
   read.has_alpha = !image.alpha.empty();
   for (std::size_t k = 0; k < image.alpha.size(); ++k)
     if (image.alpha_16.empty() ? image.alpha[k] != 255 : image.alpha_16[k] != 65535) ++read.not_opaque;
   read.map = grid_of_image(image, read.yaml, yaml_path);
+  const auto width = static_cast<std::size_t>(image.width);
+  for (std::size_t k = 0; k < image.pixels.size(); ++k) {
+    const std::size_t row = static_cast<std::size_t>(image.height) - 1 - k / width;
+    ++read.cells_of_grey[image.pixels[k]][static_cast<std::size_t>(read.map.cells[row * width + k % width])];
+  }
   return read;
 }
 

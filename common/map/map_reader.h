@@ -35,7 +35,8 @@ GridMap read_map(const std::string& path);
 struct ImageMap {
   GridMap map;
   MapYaml yaml;
-  std::array<std::size_t, 256> greys{};  ///< How many pixels have each grey, rounded to 8 bits.
+  /// How many pixels of each grey, rounded to 8 bits, became free, occupied and unknown.
+  std::array<std::array<std::size_t, 3>, 256> cells_of_grey{};
   bool has_alpha = false;
   std::size_t not_opaque = 0;  ///< Pixels.
 };

@@ -29,6 +29,10 @@ bool set_whole_number(Config& config, const std::string& name, const char* optio
   return true;
 }
 
+void print_notes(const std::vector<std::string>& notes) {
+  for (const std::string& note : notes) std::fprintf(stderr, "parloc: note: %s\n", note.c_str());
+}
+
 Config effective_config(const ConfigOptions& o, const std::function<void(Config&)>& change,
                         const Config& base) {
   Config config = o.config.empty() ? base : read_config(o.config, base);

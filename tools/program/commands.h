@@ -87,6 +87,9 @@ CLI::Option* add_choice_option(CLI::App& app, const std::string& name, std::opti
   return app.add_option_function<std::string>(name, take, help)->type_name(value_name)->check(one_of(words));
 }
 
+/// Each a line on standard error: what an input says that is not used, or not as it stands.
+void print_notes(const std::vector<std::string>& notes);
+
 /// The options of several commands that set something in the configuration; empty: not given.
 struct ConfigOptions {
   std::string config, device, threads, seed, beams;

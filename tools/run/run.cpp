@@ -138,6 +138,7 @@ int run(const RunOptions& o, const std::string& typed) {
   request.odometry_only = o.odometry_only;
   request.start = start_of(o, request.config);
   const GridMap map = read_map(o.map);
+  print_notes(map.notes);
   const std::unique_ptr<LogReader> log = open_log(o.log);
   if (!o.truth.empty()) request.truth = read_tum(o.truth);
   const std::vector<Relation> relations =
