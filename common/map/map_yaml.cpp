@@ -5,12 +5,12 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <optional>
 #include <string_view>
 #include <utility>
 
 #include "common/error.h"
 #include "common/file/nearest_name.h"
+#include "common/file/yaml_boolean.h"
 #include "common/file/yaml_section.h"
 #include "common/map/map_limits.h"
 #include "common/math/portable64.h"
@@ -47,32 +47,10 @@ Pose origin_of(const YamlSection& top, const std::string& name, std::vector<std:
   return {origin[0], origin[1], yaw_rad};
 }
 
-std::string lower_case(std::string_view text) {
-  std::string lower(text);
-  std::transform(lower.begin(), lower.end(), lower.begin(),
-                 [](char c) { return c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c; });
-  return lower;
-}
-
-/// The words of YAML 1.1, in the three ways to write each that yaml-cpp knows: "no", "No", "NO".
-std::optional<bool> boolean_of(const std::string& text) {
-  const std::string lower = lower_case(text);
-  const std::string rest = text.substr(text.empty() ? 0 : 1),
-                    lower_rest = lower.substr(lower.empty() ? 0 : 1);
-  const bool rest_is_lower = rest == lower_rest;
-  const bool rest_is_upper =
-      std::none_of(rest.begin(), rest.end(), [](char c) { return c >= 'a' && c <= 'z'; });
-  if (!rest_is_lower && (!rest_is_upper || text[0] == lower[0])) return std::nullopt;
-  for (const char* yes : {"1", "true", "yes", "on", "y"})
-    if (lower == yes) return true;
-  for (const char* no : {"0", "false", "no", "off", "n"})
-    if (lower == no) return false;
-  return std::nullopt;
-}
-
 bool negate_of(const YamlSection& top) {
   const YamlScalar scalar = top.scalar("negate");
-  if (const auto value = boolean_of(scalar.text); value && scalar.is_one) return *value;
+  if (scalar.is_one && (scalar.text == "0" || scalar.text == "1")) return scalar.text == "1";
+  if (const auto value = yaml_boolean(scalar.text); value && scalar.is_one) return *value;
   throw top.error_at(scalar.line, "negate: expected 0, 1, false or true, got " + scalar.described);
 }
 
