@@ -28,14 +28,13 @@ void require_form(const YamlSection& top) {
                          "(variance quadratic, as AMCL) or omni (likewise, and sideways)");
 }
 
-/// Limits of every setting first, then the rules between settings.
+}  // namespace
+
 std::optional<Violation> first_violation(const Config& config) {
   Config copy = config;
   if (auto violation = first_beyond_limits(settings_of(copy))) return violation;
   return broken_rule(config);
 }
-
-}  // namespace
 
 FlowFilterConfig flow_filter_config(const Config& config) {
   FlowFilterConfig c;
@@ -85,7 +84,7 @@ void validate(const Config& config) {
   require_none(first_violation(config));
 }
 
-Config config_from_text(const std::string& text, const std::string& name, const Config& base) {
+Config parloc_config_from_text(const std::string& text, const std::string& name, const Config& base) {
   const YamlSection top(text, name, kRules);
   Config config = base;
   const Settings settings = settings_of(config);
@@ -98,10 +97,6 @@ Config config_from_text(const std::string& text, const std::string& name, const 
   require_form(top);
   require_none(top, first_violation(config));
   return config;
-}
-
-Config read_config(const std::string& path, const Config& base) {
-  return config_from_text(read_yaml_file(path, kRules), path, base);
 }
 
 std::string config_to_yaml(const Config& config) {

@@ -32,7 +32,8 @@ void validate(const Config& config);
 /// Reads a YAML file over `base`, which has the defaults unless given; a file that chooses `sensor.model`
 /// starts from that model's defaults, wherever the key stands. Throws Error{config} with file:line for an
 /// unknown key (naming the nearest valid one), a duplicate key, a wrong type, or a value out of its range
-/// (naming the range). `alpha1..alpha4` require `form` beside them.
+/// (naming the range). `alpha1..alpha4` require `form` beside them. A file with `ros__parameters` of an amcl
+/// node is nav2's, and translated (common/config/nav2_config.h).
 Config read_config(const std::string& path, const Config& base = {});
 Config config_from_text(const std::string& text, const std::string& name, const Config& base = {});
 
