@@ -106,7 +106,7 @@ class Translation {
     setting.slot.set(number);
   }
   void set_slot(const Nav2Value& value, const FlagSetting& setting) const { setting.set(boolean(value)); }
-  void set_slot(const Nav2Value& value, const ChoiceSetting&) const { fail(value, ": cannot be read"); }
+  void set_slot(const Nav2Value& value, const auto&) const { fail(value, ": cannot be read"); }
 
   /// First of all: they decide other defaults and what other parameters mean.
   void take_models();
