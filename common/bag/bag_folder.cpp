@@ -131,7 +131,8 @@ std::vector<std::string> listed_files(const fs::path& metadata) {
   return files;
 }
 
-/// Older versions write the path from where they were started; compressed files may be listed without ".zstd".
+/// Older versions write the path from where they were started; compressed files may be listed without
+/// ".zstd".
 fs::path file_in(const fs::path& folder, const std::string& listed) {
   const fs::path name = fs::path(listed).filename();
   for (const fs::path& path : {folder / name, folder / (name.string() + ".zstd")})

@@ -24,7 +24,9 @@ constexpr std::size_t kLongestBlock = std::size_t{1} << 18;
 class FileStream final : public ByteStream {
  public:
   FileStream(const BagFile& file, std::uint64_t offset, std::uint64_t size)
-      : file_(file), next_(offset), end_(offset + std::min(size, file.size() - std::min(offset, file.size()))) {}
+      : file_(file),
+        next_(offset),
+        end_(offset + std::min(size, file.size() - std::min(offset, file.size()))) {}
 
   std::size_t read(char* to, std::size_t size) override {
     std::size_t got = 0;

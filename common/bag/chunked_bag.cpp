@@ -10,10 +10,10 @@
 namespace parloc {
 
 namespace {
-constexpr std::size_t kPieceBytes = std::size_t{8} << 20;    // of a chunk, unpacked at a time
-constexpr std::size_t kMostBytes = std::size_t{48} << 20;    // of all chunks that are open
-constexpr std::size_t kMostEntries = std::size_t{1} << 18;   // of a piece
-constexpr std::size_t kMostMessages = 20;                    // of faults
+constexpr std::size_t kPieceBytes = std::size_t{8} << 20;   // of a chunk, unpacked at a time
+constexpr std::size_t kMostBytes = std::size_t{48} << 20;   // of all chunks that are open
+constexpr std::size_t kMostEntries = std::size_t{1} << 18;  // of a piece
+constexpr std::size_t kMostMessages = 20;                   // of faults
 }  // namespace
 
 /// A chunk that is being given out. It has a message to give, always.
@@ -92,7 +92,8 @@ bool ChunkedBag::refill(Cursor& cursor) {
   if (cursor.records == nullptr) return false;
   try {
     while (cursor.records->next(cursor.messages)) {
-      if (cursor.messages.bytes.size() < kPieceBytes && cursor.messages.entries.size() < kMostEntries) continue;
+      if (cursor.messages.bytes.size() < kPieceBytes && cursor.messages.entries.size() < kMostEntries)
+        continue;
       cursor.whole = false;
       break;
     }

@@ -85,8 +85,7 @@ class ZstdStream final : public Unpacking {
     ZSTD_inBuffer from{in.data(), in.size(), 0};
     ZSTD_outBuffer out{to, size, 0};
     const std::size_t left = ZSTD_decompressStream(context_, &out, &from);
-    if (ZSTD_isError(left) != 0)
-      throw Damage{fmt::format("damaged zstd data: {}", ZSTD_getErrorName(left))};
+    if (ZSTD_isError(left) != 0) throw Damage{fmt::format("damaged zstd data: {}", ZSTD_getErrorName(left))};
     if (from.pos > 0 || out.pos > 0) between_frames_ = left == 0;
     return {from.pos, out.pos};
   }
@@ -136,7 +135,8 @@ class Bz2Stream final : public Unpacking {
     state_.avail_out = static_cast<unsigned>(std::min(size, kBlockBytes));
     const unsigned room = state_.avail_out;
     const int result = BZ2_bzDecompress(&state_);
-    if (result != BZ_OK && result != BZ_STREAM_END) throw Damage{fmt::format("damaged bz2 data: code {}", result)};
+    if (result != BZ_OK && result != BZ_STREAM_END)
+      throw Damage{fmt::format("damaged bz2 data: code {}", result)};
     between_frames_ = result == BZ_STREAM_END;
     return {in.size() - state_.avail_in, room - state_.avail_out};
   }
@@ -156,10 +156,14 @@ Compression compression_named(std::string_view name) {
 
 std::unique_ptr<ByteStream> decompressed(Compression compression, std::unique_ptr<ByteStream> packed) {
   switch (compression) {
-    case Compression::none: return packed;
-    case Compression::zstd: return std::make_unique<ZstdStream>(std::move(packed));
-    case Compression::lz4: return std::make_unique<Lz4Stream>(std::move(packed));
-    case Compression::bz2: return std::make_unique<Bz2Stream>(std::move(packed));
+    case Compression::none:
+      return packed;
+    case Compression::zstd:
+      return std::make_unique<ZstdStream>(std::move(packed));
+    case Compression::lz4:
+      return std::make_unique<Lz4Stream>(std::move(packed));
+    case Compression::bz2:
+      return std::make_unique<Bz2Stream>(std::move(packed));
   }
   return packed;
 }

@@ -62,7 +62,8 @@ class Checked final : public ByteStream {
   std::size_t read(char* to, std::size_t size) override {
     const std::size_t got = stream_->read(to, size);
     crc_ = crc32_z(crc_, reinterpret_cast<const Bytef*>(to), got);
-    if (got < size && !std::exchange(told_, true) && crc_ != expected_) throw Damage{"wrong checksum: nothing of this chunk is used", true};
+    if (got < size && !std::exchange(told_, true) && crc_ != expected_)
+      throw Damage{"wrong checksum: nothing of this chunk is used", true};
     return got;
   }
 
@@ -138,7 +139,8 @@ struct McapBag::Records final : ChunkRecords {
       stream->skip(size);
       return false;
     }
-    if (size > kLongestMessage) throw Damage{fmt::format("a message of {} bytes: expected at most {}", size, kLongestMessage)};
+    if (size > kLongestMessage)
+      throw Damage{fmt::format("a message of {} bytes: expected at most {}", size, kLongestMessage)};
     const std::size_t offset = messages.bytes.size();
     try {
       stream->append_to(messages.bytes, size);
@@ -213,7 +215,9 @@ void McapBag::walk() {
   } catch (const Damage& damage) {
     count_fault(at, damage.what);
   }
-  if (!ended) count_fault(at, fmt::format("cut off or damaged: what is whole before is read ({} bytes in all)", file_->size()));
+  if (!ended)
+    count_fault(
+        at, fmt::format("cut off or damaged: what is whole before is read ({} bytes in all)", file_->size()));
 }
 
 // A chunk: start and end time, unpacked size, checksum, compression, size of the records, records.

@@ -64,7 +64,8 @@ std::unique_ptr<BagReader> open_unpacked(const BagFile& file, const std::string&
   } catch (const Damage& damage) {
     cut_off = damage.what;
   }
-  auto bag = open_container(std::make_unique<BagFile>(unpacked.take_descriptor(), path), unpacked.path(), begin);
+  auto bag =
+      open_container(std::make_unique<BagFile>(unpacked.take_descriptor(), path), unpacked.path(), begin);
   return cut_off.empty() ? std::move(bag) : with_fault(std::move(bag), path + ": " + cut_off);
 }
 

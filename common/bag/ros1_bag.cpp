@@ -19,7 +19,14 @@ namespace {
 constexpr std::string_view kVersionLine = "#ROSBAG V2.0\n";
 constexpr std::uint32_t kLongestHeader = std::uint32_t{4} << 20;
 
-enum Opcode : std::uint8_t { kMessage = 2, kBagHeader = 3, kIndexData = 4, kChunk = 5, kChunkInfo = 6, kConnection = 7 };
+enum Opcode : std::uint8_t {
+  kMessage = 2,
+  kBagHeader = 3,
+  kIndexData = 4,
+  kChunk = 5,
+  kChunkInfo = 6,
+  kConnection = 7
+};
 
 /// The header of a record: "name=value" fields, each with its length before it.
 class Header {
@@ -33,7 +40,8 @@ class Header {
     return Header(in, little_endian<std::uint32_t>(length));
   }
   Header(ByteStream& in, std::uint32_t size) {
-    if (size > kLongestHeader) throw Damage{fmt::format("expected the header of a record, found a length of {}", size)};
+    if (size > kLongestHeader)
+      throw Damage{fmt::format("expected the header of a record, found a length of {}", size)};
     in.append_to(bytes_, size);
   }
 
@@ -55,13 +63,15 @@ class Header {
   template <class Number>
   Number number(std::string_view name) const {
     const std::string_view value = field(name);
-    if (value.size() != sizeof(Number)) throw Damage{fmt::format("expected a field '{}' in the header of a record", name)};
+    if (value.size() != sizeof(Number))
+      throw Damage{fmt::format("expected a field '{}' in the header of a record", name)};
     return little_endian<Number>(value.data());
   }
   std::uint8_t opcode() const { return number<std::uint8_t>("op"); }
   std::int64_t stamp_ns(std::string_view name) const {
     const auto value = number<std::uint64_t>(name);  // seconds, then nanoseconds
-    return static_cast<std::int64_t>(value & 0xFFFFFFFFu) * 1000000000 + static_cast<std::int64_t>(value >> 32);
+    return static_cast<std::int64_t>(value & 0xFFFFFFFFu) * 1000000000 +
+           static_cast<std::int64_t>(value >> 32);
   }
 
  private:
@@ -166,7 +176,8 @@ void Ros1Bag::learn(const Header& header, ByteStream& in, std::uint32_t size) {
   TextStream text(bytes);
   const Header description(text, size);
   const auto id = header.number<std::uint32_t>("conn");
-  connection_topic_.emplace(id, add_topic({std::string(header.field("topic")), type_name(description.field("type")), "ros1"}));
+  connection_topic_.emplace(
+      id, add_topic({std::string(header.field("topic")), type_name(description.field("type")), "ros1"}));
 }
 
 BagChunk Ros1Bag::chunk_at(std::uint64_t data_at, const Header& header, ByteStream& in) const {
@@ -257,9 +268,11 @@ std::unique_ptr<BagReader> open_ros1_bag(std::unique_ptr<BagFile> file) {
   }
   const std::string_view version(line, got);
   if (version != kVersionLine)
-    throw input_error(file->path(), 0,
-                      fmt::format("expected a ROS 1 bag of format 2.0, found '{}': `rosbag filter OLD NEW True` writes it anew",
-                                  printable(version.substr(0, version.find('\n')))));
+    throw input_error(
+        file->path(), 0,
+        fmt::format(
+            "expected a ROS 1 bag of format 2.0, found '{}': `rosbag filter OLD NEW True` writes it anew",
+            printable(version.substr(0, version.find('\n')))));
   return std::make_unique<Ros1Bag>(std::move(file));
 }
 

@@ -52,7 +52,8 @@ class SqliteBag final : public BagReader {
   bool next(BagMessage& message) override;
   const BagFaults& faults() const override { return faults_; }
   double progress() const override {
-    return most_id_ > 0 ? std::clamp(static_cast<double>(last_id_) / static_cast<double>(most_id_), 0.0, 1.0) : 1.0;
+    return most_id_ > 0 ? std::clamp(static_cast<double>(last_id_) / static_cast<double>(most_id_), 0.0, 1.0)
+                        : 1.0;
   }
   std::string container() const override { return "sqlite3"; }
 
@@ -84,15 +85,16 @@ void SqliteBag::count_fault(const std::string& what) {
 
 void SqliteBag::open(const std::string& path) {
   sqlite3* database = nullptr;
-  const int code = sqlite3_open_v2(path.c_str(), &database, SQLITE_OPEN_READONLY | SQLITE_OPEN_NOMUTEX, nullptr);
+  const int code =
+      sqlite3_open_v2(path.c_str(), &database, SQLITE_OPEN_READONLY | SQLITE_OPEN_NOMUTEX, nullptr);
   database_.reset(database);
   if (code != SQLITE_OK)
     throw input_error(name_, 0, fmt::format("cannot be opened: {}", sqlite3_errstr(code)));
   sqlite3_limit(database, SQLITE_LIMIT_LENGTH, kLongestMessage);
   sqlite3_db_config(database, SQLITE_DBCONFIG_TRUSTED_SCHEMA, 0, nullptr);
   // Without the first, SQLite does not open a file that is shorter than it says.
-  sqlite3_exec(database, "PRAGMA writable_schema=ON; PRAGMA cache_size=-8192; PRAGMA temp_store=FILE", nullptr,
-               nullptr, nullptr);
+  sqlite3_exec(database, "PRAGMA writable_schema=ON; PRAGMA cache_size=-8192; PRAGMA temp_store=FILE",
+               nullptr, nullptr, nullptr);
 }
 
 Statement SqliteBag::prepare(const char* sql) const {
@@ -105,8 +107,9 @@ void SqliteBag::read_topics() {
   const Statement rows = prepare("SELECT id, name, type, serialization_format FROM topics ORDER BY id");
   const Statement messages = prepare("SELECT id, topic_id, timestamp, data FROM messages");
   if (rows == nullptr || messages == nullptr)
-    throw input_error(name_, 0, fmt::format("expected a ROS 2 bag with tables 'topics' and 'messages': {}",
-                                            sqlite3_errmsg(database_.get())));
+    throw input_error(name_, 0,
+                      fmt::format("expected a ROS 2 bag with tables 'topics' and 'messages': {}",
+                                  sqlite3_errmsg(database_.get())));
   int code = SQLITE_ROW;
   while ((code = sqlite3_step(rows.get())) == SQLITE_ROW) {
     topic_of_id_[sqlite3_column_int64(rows.get(), 0)] = topics_.size();
@@ -114,7 +117,8 @@ void SqliteBag::read_topics() {
   }
   if (code != SQLITE_DONE) count_fault(fmt::format("the table of topics: {}", sqlite3_errstr(code)));
   const Statement most = prepare("SELECT max(id) FROM messages");
-  if (most != nullptr && sqlite3_step(most.get()) == SQLITE_ROW) most_id_ = sqlite3_column_int64(most.get(), 0);
+  if (most != nullptr && sqlite3_step(most.get()) == SQLITE_ROW)
+    most_id_ = sqlite3_column_int64(most.get(), 0);
 }
 
 void SqliteBag::select(const std::vector<bool>& topics) {

@@ -20,7 +20,8 @@ void add_settings(Settings& s, LogChoice& log) {
   s.add("odometry_topic", "Of type nav_msgs/Odometry", log.odometry_topic);
   s.add("odometry_frame", "Its transforms in /tf are the odometry", log.odometry_frame);
   s.add("base_frame", "The robot's, whose pose is estimated", log.base_frame);
-  s.add("cloud_low", "Points of a cloud above this height over the base are a scan [m]", log.cloud_low, {-10.0, 100.0});
+  s.add("cloud_low", "Points of a cloud above this height over the base are a scan [m]", log.cloud_low,
+        {-10.0, 100.0});
   s.add("cloud_high", "... and below this [m]", log.cloud_high, {-10.0, 100.0});
 }
 
@@ -38,14 +39,13 @@ void require_form(const YamlSection& top) {
                          "(variance quadratic, as AMCL) or omni (likewise, and sideways)");
 }
 
-/// Limits of every setting first, then the rules between settings.
+}  // namespace
+
 std::optional<Violation> first_violation(const Config& config) {
   Config copy = config;
   if (auto violation = first_beyond_limits(settings_of(copy))) return violation;
   return broken_rule(config);
 }
-
-}  // namespace
 
 FlowFilterConfig flow_filter_config(const Config& config) {
   FlowFilterConfig c;
@@ -104,7 +104,7 @@ void validate(const Config& config) {
   require_none(first_violation(config));
 }
 
-Config config_from_text(const std::string& text, const std::string& name, const Config& base) {
+Config parloc_config_from_text(const std::string& text, const std::string& name, const Config& base) {
   const YamlSection top(text, name, kRules);
   Config config = base;
   const Settings settings = settings_of(config);
@@ -117,10 +117,6 @@ Config config_from_text(const std::string& text, const std::string& name, const 
   require_form(top);
   require_none(top, first_violation(config));
   return config;
-}
-
-Config read_config(const std::string& path, const Config& base) {
-  return config_from_text(read_yaml_file(path, kRules), path, base);
 }
 
 std::string config_to_yaml(const Config& config) {

@@ -15,7 +15,7 @@ namespace parloc {
 struct Config : LocalizerConfig {
   FlowConfig flow;
   int flow_max_beams = FlowFilterConfig().scan.max_beams;  ///< flow.max_beams
-  LogChoice log;  ///< Without what log_choice() adds.
+  LogChoice log;                                           ///< Without what log_choice() adds.
   SlamConfig slam;
   int slam_max_beams = GridSlamConfig().scan.max_beams;      ///< slam.max_beams
   double slam_update_min_d = GridSlamConfig().update_min_d;  ///< slam.update_min_d [m]
@@ -37,7 +37,8 @@ void validate(const Config& config);
 /// Reads a YAML file over `base`, which has the defaults unless given; a file that chooses `sensor.model`
 /// starts from that model's defaults, wherever the key stands. Throws Error{config} with file:line for an
 /// unknown key (naming the nearest valid one), a duplicate key, a wrong type, or a value out of its range
-/// (naming the range). `alpha1..alpha4` require `form` beside them.
+/// (naming the range). `alpha1..alpha4` require `form` beside them. A file with `ros__parameters` of an amcl
+/// node is nav2's, and translated (common/config/nav2_config.h).
 Config read_config(const std::string& path, const Config& base = {});
 Config config_from_text(const std::string& text, const std::string& name, const Config& base = {});
 

@@ -135,6 +135,13 @@ std::vector<std::string> YamlSection::keys() const {
   return names;
 }
 
+YamlScalar YamlSection::scalar(const std::string& key) const {
+  const YamlNode* node = find(key);
+  if (node == nullptr) return {};
+  const bool is_one = node->kind == YamlKind::plain || node->kind == YamlKind::quoted;
+  return {is_one, node->text, described(node->kind, node->text), place_of(*node)};
+}
+
 std::size_t YamlSection::line(const std::string& path) const {
   const YamlNode* node = node_;
   std::string rest = path;

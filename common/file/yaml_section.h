@@ -42,6 +42,14 @@ template <class Number>
 std::string read_number(YamlKind kind, const std::string& text, Number& target, Number low, Number high,
                         bool above_low = false);
 
+/// What stands behind a key.
+struct YamlScalar {
+  bool is_one = false;    ///< Not a list, a group or nothing.
+  std::string text;       ///< Empty unless it is one.
+  std::string described;  ///< For messages: "'5cm'" or "a list".
+  std::size_t line = 0;   ///< Of a wrong value, for messages.
+};
+
 /// One group. Ask for every key that it and the groups inside may have, then call finish() of the outermost.
 /// Absent keys leave their target alone; a group with nothing in it is empty. All functions throw
 /// Error{rules.error} with file:line for a wrong type or a value outside its limits.
@@ -54,6 +62,8 @@ class YamlSection {
   const std::string& name() const { return name_; }
   bool has(const std::string& key) const { return find(key) != nullptr; }
   std::vector<std::string> keys() const;
+  /// A value that the caller reads itself; none if the key is absent.
+  YamlScalar scalar(const std::string& key) const;
   /// The line of a key, 0 if the file has none. "sensor.z_hit" is looked up inside of `sensor`.
   std::size_t line(const std::string& path) const;
 

@@ -37,7 +37,8 @@ class BagLog final : public LogReader {
     std::vector<bool> wanted;
     for (const TopicRole role : roles_) wanted.push_back(role != TopicRole::none);
     from_transforms_ = std::find(roles_.begin(), roles_.end(), TopicRole::odometry) == roles_.end();
-    says_base_ = !from_transforms_ || std::find(roles_.begin(), roles_.end(), TopicRole::transforms) != roles_.end();
+    says_base_ =
+        !from_transforms_ || std::find(roles_.begin(), roles_.end(), TopicRole::transforms) != roles_.end();
     bag_->select(wanted);
   }
 
@@ -141,7 +142,8 @@ void BagLog::take(const BagMessage& message) {
   try {
     const MessageReader in(message.bytes, topic.encoding);
     switch (roles_[message.topic]) {
-      case TopicRole::none: break;
+      case TopicRole::none:
+        break;
       case TopicRole::scan:
         read_laser_scan(in, scan_message_);
         take_scan(scan_message_, topic.name);
@@ -163,9 +165,15 @@ void BagLog::take(const BagMessage& message) {
         unplaced_.push_back(std::move(waiting));
         break;
       }
-      case TopicRole::odometry: take_odometry(read_odometry(in)); break;
-      case TopicRole::transforms: take_transforms(read_transforms(in), false); break;
-      case TopicRole::fixed_transforms: take_transforms(read_transforms(in), true); break;
+      case TopicRole::odometry:
+        take_odometry(read_odometry(in));
+        break;
+      case TopicRole::transforms:
+        take_transforms(read_transforms(in), false);
+        break;
+      case TopicRole::fixed_transforms:
+        take_transforms(read_transforms(in), true);
+        break;
     }
   } catch (const BrokenMessage& broken) {
     count_broken(fmt::format("{}: {}", printable(topic.name), broken.why));
@@ -180,7 +188,9 @@ void BagLog::take_scan(const LaserScanMessage& message, const std::string& topic
   if (!(std::fabs(message.angle_min_rad) <= kMostBearing_rad) || !(std::fabs(last_rad) <= kMostBearing_rad))
     throw BrokenMessage{"expected beams within two turns"};
   if (beams > 1 && message.angle_step_rad == 0.0f) throw BrokenMessage{"expected an angle step, found 0"};
-  const auto positive = [](float value) { return std::isfinite(value) && value > 0.0f ? static_cast<double>(value) : 0.0; };
+  const auto positive = [](float value) {
+    return std::isfinite(value) && value > 0.0f ? static_cast<double>(value) : 0.0;
+  };
   Unplaced waiting;
   waiting.frame = message.header.frame;
   LogRecord& record = waiting.record;
@@ -201,7 +211,8 @@ void BagLog::take_scan(const LaserScanMessage& message, const std::string& topic
 
 void BagLog::take_odometry(const OdometryMessage& message) {
   RigidTransform T_odom_child = message.pose;
-  if (!normalise(T_odom_child)) throw BrokenMessage{"expected a finite pose with a quaternion of unit length"};
+  if (!normalise(T_odom_child))
+    throw BrokenMessage{"expected a finite pose with a quaternion of unit length"};
   if (base_frame_.empty()) base_frame_ = message.child_frame;
   // Some write no child frame: then it is the robot's base, by the names that are usual.
   for (const char* usual : {"base_footprint", "base_link"})
@@ -247,8 +258,12 @@ bool BagLog::place(Unplaced& waiting) {
   }
   const PlanarMount mount = planar_mount(T_base_sensor);
   if (mount.tilt_rad > kMostTilt_rad)
-    throw input_error(name_, 0, fmt::format("{} is tilted by {:.0f} degrees against {}: expected a LiDAR whose scans lie in the floor's plane "
-                                            "(within 5 degrees)", printable(waiting.frame), mount.tilt_rad * 180.0 / kPi, printable(base_frame_)));
+    throw input_error(
+        name_, 0,
+        fmt::format("{} is tilted by {:.0f} degrees against {}: expected a LiDAR whose scans lie in the "
+                    "floor's plane "
+                    "(within 5 degrees)",
+                    printable(waiting.frame), mount.tilt_rad * 180.0 / kPi, printable(base_frame_)));
   scan.T_base_sensor = mount.T_base_sensor;
   if (mount.upside_down) {
     scan.angle_min_rad = -scan.angle_min_rad;
@@ -274,26 +289,35 @@ void BagLog::place_scans() {
     unplaced_.pop_front();
   }
   if (unplaced_.empty()) return;
-  const bool long_ago = unplaced_.back().record.stamp_s > unplaced_.front().record.stamp_s + kLatestTransform_s;
+  const bool long_ago =
+      unplaced_.back().record.stamp_s > unplaced_.front().record.stamp_s + kLatestTransform_s;
   if (unplaced_.size() > kMostUnplaced || (long_ago && !base_frame_.empty())) throw why_unplaced();
 }
 
 Error BagLog::no_place(const Unplaced& scan) const {
   const std::vector<std::string> frames = tree_.frames();
-  const std::string known = frames.empty() ? "there are no transforms" : fmt::format("frames: {}", printable(fmt::format("{}", fmt::join(frames, ", "))));
+  const std::string known =
+      frames.empty() ? "there are no transforms"
+                     : fmt::format("frames: {}", printable(fmt::format("{}", fmt::join(frames, ", "))));
   const std::string sensor = printable(scan.record.scan.sensor);
-  return input_error(name_, 0, fmt::format("no transform from {} to {} in /tf or /tf_static ({}): give the robot's frame with --base-frame, "
-                                           "or the LiDAR's place with lidars: {}: {{x: 0, y: 0, yaw: 0}} in --config",
-                                           printable(base_frame_), printable(scan.frame), known, sensor));
+  return input_error(
+      name_, 0,
+      fmt::format(
+          "no transform from {} to {} in /tf or /tf_static ({}): give the robot's frame with --base-frame, "
+          "or the LiDAR's place with lidars: {}: {{x: 0, y: 0, yaw: 0}} in --config",
+          printable(base_frame_), printable(scan.frame), known, sensor));
 }
 
 Error BagLog::no_odometry() const {
   const std::vector<std::string> frames = tree_.frames();
   if (from_transforms_)
-    return input_error(name_, 0, fmt::format("no transform from {} to the robot in /tf (frames: {}): give --odom-frame or --odom-topic; "
-                                             "parloc slam can do without (slam.odometry: scans)",
-                                             choice_.odometry_frame.empty() ? "odom" : printable(choice_.odometry_frame),
-                                             frames.empty() ? "none" : printable(fmt::format("{}", fmt::join(frames, ", ")))));
+    return input_error(
+        name_, 0,
+        fmt::format(
+            "no transform from {} to the robot in /tf (frames: {}): give --odom-frame or --odom-topic; "
+            "parloc slam can do without (slam.odometry: scans)",
+            choice_.odometry_frame.empty() ? "odom" : printable(choice_.odometry_frame),
+            frames.empty() ? "none" : printable(fmt::format("{}", fmt::join(frames, ", ")))));
   return input_error(name_, 0, "expected odometry, found a topic without a usable message");
 }
 

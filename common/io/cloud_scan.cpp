@@ -49,13 +49,14 @@ double value(const char* point, const Coordinate& c, bool swap) {
 
 }  // namespace
 
-void scan_from_cloud(const PointCloudMessage& cloud, const RigidTransform& T_base_sensor, const CloudBand& band,
-                     Scan& scan) {
+void scan_from_cloud(const PointCloudMessage& cloud, const RigidTransform& T_base_sensor,
+                     const CloudBand& band, Scan& scan) {
   const Coordinate x = coordinate(cloud, "x"), y = coordinate(cloud, "y"), z = coordinate(cloud, "z");
   const std::uint64_t rows = cloud.height, per_row = cloud.width;
-  if (rows > 0 && (per_row * cloud.point_bytes > cloud.row_bytes || rows * cloud.row_bytes > cloud.data.size()))
-    throw BrokenMessage{fmt::format("expected a cloud of {} x {} points, found {} bytes", rows, per_row,
-                                    cloud.data.size())};
+  if (rows > 0 &&
+      (per_row * cloud.point_bytes > cloud.row_bytes || rows * cloud.row_bytes > cloud.data.size()))
+    throw BrokenMessage{
+        fmt::format("expected a cloud of {} x {} points, found {} bytes", rows, per_row, cloud.data.size())};
   const bool swap = cloud.big_endian != (std::endian::native == std::endian::big);
   const Pose upright = planar(T_base_sensor);
   scan.angle_min_rad = -kPi;
@@ -66,7 +67,8 @@ void scan_from_cloud(const PointCloudMessage& cloud, const RigidTransform& T_bas
   for (std::uint64_t row = 0; row < rows; ++row) {
     const char* point = cloud.data.data() + row * cloud.row_bytes;
     for (std::uint64_t k = 0; k < per_row; ++k, point += cloud.point_bytes) {
-      const auto in_base = transformed(T_base_sensor, {value(point, x, swap), value(point, y, swap), value(point, z, swap)});
+      const auto in_base =
+          transformed(T_base_sensor, {value(point, x, swap), value(point, y, swap), value(point, z, swap)});
       if (!(in_base[2] >= band.low_m && in_base[2] <= band.high_m)) continue;
       const Pose seen = relative({in_base[0], in_base[1], 0.0}, upright);
       const double range_m = std::sqrt(seen.x_m * seen.x_m + seen.y_m * seen.y_m);

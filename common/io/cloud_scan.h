@@ -14,7 +14,7 @@ struct CloudBand {
 /// from -180 degrees on, as pointcloud_to_laserscan has them; a direction without a point is inf. `mount` is
 /// where the cloud's frame is in the base's. Throws BrokenMessage for a cloud without x, y, z of float32 or
 /// float64, or shorter than it says.
-void scan_from_cloud(const PointCloudMessage& cloud, const RigidTransform& T_base_sensor, const CloudBand& band,
-                     Scan& scan);
+void scan_from_cloud(const PointCloudMessage& cloud, const RigidTransform& T_base_sensor,
+                     const CloudBand& band, Scan& scan);
 
 }  // namespace parloc

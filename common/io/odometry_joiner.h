@@ -10,9 +10,9 @@
 namespace parloc {
 
 /// Scans and odometry readings go in as they were recorded, and come out in the order of their stamps: each
-/// scan with the odometry at its stamp, between the readings before and after it (straight, and by the shorter
-/// turn), exactly a reading's where one has the scan's stamp. That reading does not come out a second time.
-/// Deterministic on every machine. Memory: some seconds of readings, at most 20,000, and 1,000 scans.
+/// scan with the odometry at its stamp, between the readings before and after it (straight, and by the
+/// shorter turn), exactly a reading's where one has the scan's stamp. That reading does not come out a second
+/// time. Deterministic on every machine. Memory: some seconds of readings, at most 20,000, and 1,000 scans.
 class OdometryJoiner {
  public:
   void add_odometry(double stamp_s, const Pose& odometry, std::size_t line);

@@ -33,7 +33,8 @@ std::vector<std::string> names_in(const std::string& list) {
 }
 
 /// The topics of these types.
-std::vector<std::size_t> of_types(const std::vector<BagTopic>& topics, std::initializer_list<const char*> types) {
+std::vector<std::size_t> of_types(const std::vector<BagTopic>& topics,
+                                  std::initializer_list<const char*> types) {
   std::vector<std::size_t> found;
   for (std::size_t k = 0; k < topics.size(); ++k)
     for (const char* type : types)
@@ -67,8 +68,9 @@ std::size_t named(const std::vector<BagTopic>& topics, const std::string& name, 
     const bool fits = std::find(types.begin(), types.end(), topics[k].type) != types.end();
     if (with_slash(topics[k].name) == wanted && fits) return k;
     if (with_slash(topics[k].name) == wanted)
-      throw input_error(bag_name, 0, fmt::format("{} {}: expected {}, found {}", option, wanted, *types.begin(),
-                                                 printable(topics[k].type)));
+      throw input_error(bag_name, 0,
+                        fmt::format("{} {}: expected {}, found {}", option, wanted, *types.begin(),
+                                    printable(topics[k].type)));
     names.push_back(topics[k].name);
   }
   const std::string nearest(names.empty() ? std::string_view{} : nearest_name(wanted, names));
@@ -87,13 +89,20 @@ std::vector<std::size_t> choose_scans(const std::vector<BagTopic>& topics, const
   const std::vector<std::size_t> scans = of_types(topics, {kLaserScan, kMultiEcho});
   if (scans.size() == 1) return scans;
   if (scans.size() > 1)
-    throw input_error(bag_name, 0, fmt::format("{} topics hold scans: {}; choose with --scan-topic (several LiDARs: with commas between)",
-                                               scans.size(), list_text(topics, scans)));
+    throw input_error(
+        bag_name, 0,
+        fmt::format(
+            "{} topics hold scans: {}; choose with --scan-topic (several LiDARs: with commas between)",
+            scans.size(), list_text(topics, scans)));
   const std::vector<std::size_t> clouds = of_types(topics, {kCloud});
   if (!clouds.empty())
-    throw input_error(bag_name, 0, fmt::format("expected a topic of {}, found only clouds of points: {}; --scan-topic makes scans of one",
-                                               kLaserScan, list_text(topics, clouds)));
-  throw input_error(bag_name, 0, fmt::format("expected a topic of {}, found {}", kLaserScan, all_text(topics)));
+    throw input_error(
+        bag_name, 0,
+        fmt::format(
+            "expected a topic of {}, found only clouds of points: {}; --scan-topic makes scans of one",
+            kLaserScan, list_text(topics, clouds)));
+  throw input_error(bag_name, 0,
+                    fmt::format("expected a topic of {}, found {}", kLaserScan, all_text(topics)));
 }
 
 /// None: transforms are the odometry.
@@ -104,8 +113,10 @@ std::optional<std::size_t> choose_odometry(const std::vector<BagTopic>& topics, 
   const std::vector<std::size_t> found = of_types(topics, {kOdometry});
   if (found.empty() || !choice.odometry_frame.empty()) return std::nullopt;
   if (found.size() > 1)
-    throw input_error(bag_name, 0, fmt::format("{} topics hold odometry: {}; choose with --odom-topic, or --odom-frame for /tf",
-                                               found.size(), list_text(topics, found)));
+    throw input_error(
+        bag_name, 0,
+        fmt::format("{} topics hold odometry: {}; choose with --odom-topic, or --odom-frame for /tf",
+                    found.size(), list_text(topics, found)));
   return found.front();
 }
 
@@ -132,8 +143,11 @@ std::vector<TopicRole> choose_topics(const std::vector<BagTopic>& topics, const 
   }
   const bool odometry = std::find(roles.begin(), roles.end(), TopicRole::odometry) != roles.end();
   if (!odometry && !transforms && !choice.without_odometry)
-    throw input_error(bag_name, 0, fmt::format("expected odometry: a topic of {} or /tf, found {}; parloc slam can do without "
-                                               "(slam.odometry: scans)", kOdometry, all_text(topics)));
+    throw input_error(
+        bag_name, 0,
+        fmt::format("expected odometry: a topic of {} or /tf, found {}; parloc slam can do without "
+                    "(slam.odometry: scans)",
+                    kOdometry, all_text(topics)));
   return roles;
 }
 

@@ -30,6 +30,8 @@ struct GridMap {
   /// passes.
   std::vector<GridWall> walls;
   std::string name;  ///< Where it came from, for messages and reports.
+  std::vector<std::string>
+      notes;  ///< What its file says that is not used, or not as it stands; one line each.
 
   std::size_t size() const { return cells.size(); }
   bool contains(std::int32_t i, std::int32_t j) const { return i >= 0 && j >= 0 && i < width && j < height; }

@@ -2,8 +2,8 @@
 
 #include <fmt/format.h>
 
-#include <algorithm>
 #include <array>
+#include <cmath>
 #include <filesystem>
 #include <string_view>
 
@@ -11,7 +11,6 @@
 #include "common/file/input_file.h"
 #include "common/file/output_file.h"
 #include "common/map/map_limits.h"
-#include "common/map/map_yaml.h"
 #include "common/map/segment_map.h"
 
 namespace parloc {
@@ -26,64 +25,74 @@ GreyImage image_from_bytes(const std::string& bytes, const std::string& name) {
   const auto starts_with = [&](std::string_view magic) { return bytes.compare(0, magic.size(), magic) == 0; };
   if (starts_with(kPngSignature)) return read_png(data, bytes.size(), name);
   if (starts_with("P2") || starts_with("P5")) return read_pgm(data, bytes.size(), name);
-  throw input_error(name, 0, "expected a PGM (P2 or P5) or a PNG image");
+  if (starts_with("BM")) return read_bmp(data, bytes.size(), name);
+  throw input_error(name, 0, "expected a PGM (P2 or P5), a PNG or a BMP image");
 }
 
-/// Occupancy in [0, 1] -> cell, by the thresholds (SPEC 0.2).
+/// Occupancy in [0, 1] -> cell. A tie with a threshold is unknown.
 Cell cell_of_occupancy(double p, const MapYaml& yaml) {
   if (p > yaml.occupied_thresh) return Cell::occupied;
   return p < yaml.free_thresh ? Cell::free : Cell::unknown;
 }
 
-/// Brightness in [0, 255] -> cell.
-Cell cell_of_brightness(double v, const MapYaml& yaml) {
-  return cell_of_occupancy((yaml.negate ? v : 255.0 - v) / 255.0, yaml);
+/// Brightness in [0, 1] -> cell of a pixel that is opaque or whose alpha counts already. "1 - shade" is
+/// rounded as nav2 rounds it, which decides on ties: 204 of 255 is just below 0.2.
+Cell cell_of_shade(double shade, const MapYaml& yaml) {
+  if (yaml.mode != MapMode::raw) return cell_of_occupancy(yaml.negate ? shade : 1.0 - shade, yaml);
+  const double percent = std::floor(shade * 255.0 + 0.5);
+  return percent > 100.0 ? Cell::unknown : cell_of_occupancy(percent / 100.0, yaml);
 }
 
-Cell cell_of_opaque_pixel(std::uint8_t grey, const MapYaml& yaml) {
-  if (yaml.mode != MapMode::raw) return cell_of_brightness(grey, yaml);
-  return grey > 100 ? Cell::unknown : cell_of_occupancy(grey / 100.0, yaml);
-}
+constexpr double kWhite = 65535.0;  ///< Values have 16 bits while they are averaged.
 
-/// A pixel of an image that has an alpha channel: trinary counts alpha as a fourth colour, scale asks it to
-/// be opaque, raw ignores it (as nav2_map_server does).
-Cell cell_of_pixel(std::uint8_t grey, std::uint8_t alpha, const MapYaml& yaml) {
-  if (yaml.mode == MapMode::trinary) return cell_of_brightness((3.0 * grey + alpha) / 4.0, yaml);
-  if (yaml.mode == MapMode::scale && alpha != 255) return Cell::unknown;
-  return cell_of_opaque_pixel(grey, yaml);
-}
+/// What pixels become. An alpha channel is a fourth colour in trinary, must be opaque in scale, and is
+/// ignored in raw (as nav2_map_server does).
+class CellOfPixel {
+ public:
+  CellOfPixel(const GreyImage& image, const MapYaml& yaml) : image_(image), yaml_(yaml) {
+    for (std::size_t v = 0; v < greys_.size(); ++v)
+      greys_[v] = cell_of_shade(257.0 * static_cast<double>(v) / kWhite, yaml);
+  }
+
+  Cell operator()(std::size_t k) const {
+    const bool has_alpha = !image_.alpha.empty();
+    if (has_alpha && yaml_.mode == MapMode::scale && alpha(k) != kWhite) return Cell::unknown;
+    if (has_alpha && yaml_.mode == MapMode::trinary)
+      return cell_of_shade((colours(k) + alpha(k)) / 4.0 / kWhite, yaml_);
+    if (image_.colour_sums.empty()) return greys_[image_.pixels[k]];
+    return cell_of_shade(colours(k) / 3.0 / kWhite, yaml_);
+  }
+
+ private:
+  double colours(std::size_t k) const {
+    return image_.colour_sums.empty() ? 3.0 * 257.0 * image_.pixels[k] : image_.colour_sums[k];
+  }
+  double alpha(std::size_t k) const {
+    return image_.alpha_16.empty() ? 257.0 * image_.alpha[k] : image_.alpha_16[k];
+  }
+
+  const GreyImage& image_;
+  const MapYaml& yaml_;
+  std::array<Cell, 256> greys_;
+};
 
 GridMap grid_of_image(const GreyImage& image, const MapYaml& yaml, const std::string& name) {
-  std::array<Cell, 256> opaque;
-  for (std::size_t v = 0; v < opaque.size(); ++v)
-    opaque[v] = cell_of_opaque_pixel(static_cast<std::uint8_t>(v), yaml);
+  const CellOfPixel cell_of_pixel(image, yaml);
   GridMap map;
   map.width = image.width;
   map.height = image.height;
   map.resolution_m = yaml.resolution_m;
   map.T_map_grid = yaml.T_map_grid;
   map.name = name;
+  map.notes = yaml.notes;
   map.cells.resize(image.pixels.size());
   const std::size_t width = static_cast<std::size_t>(image.width);
   const std::size_t height = static_cast<std::size_t>(image.height);
   for (std::size_t row = 0; row < height; ++row) {
     Cell* cells = map.cells.data() + (height - 1 - row) * width;  // row 0 is the top
-    const std::size_t first = row * width;
-    for (std::size_t i = 0; i < width; ++i) {
-      const std::size_t k = first + i;
-      cells[i] = image.alpha.empty() ? opaque[image.pixels[k]]
-                                     : cell_of_pixel(image.pixels[k], image.alpha[k], yaml);
-    }
+    for (std::size_t i = 0; i < width; ++i) cells[i] = cell_of_pixel(row * width + i);
   }
   return map;
-}
-
-GridMap image_map(const std::string& text, const std::string& yaml_path) {
-  const MapYaml yaml = map_yaml_from_text(text, yaml_path);
-  const std::string image_path = (fs::path(yaml_path).parent_path() / yaml.image).string();
-  const std::string bytes =
-      read_input_file(image_path, fmt::format("{}:{}: image {}", yaml_path, yaml.image_line, image_path));
-  return grid_of_image(image_from_bytes(bytes, image_path), yaml, yaml_path);
 }
 
 std::string pgm_of_map(const GridMap& map) {
@@ -138,9 +147,28 @@ void check_writable(const std::string& yaml_path, const fs::path& image_path, co
 
 }  // namespace
 
+ImageMap read_image_map(const std::string& text, const std::string& yaml_path) {
+  ImageMap read;
+  read.yaml = map_yaml_from_text(text, yaml_path);
+  const std::string image_path = (fs::path(yaml_path).parent_path() / read.yaml.image).string();
+  const std::string bytes = read_input_file(
+      image_path, fmt::format("{}:{}: image {}", yaml_path, read.yaml.image_line, image_path));
+  const GreyImage image = image_from_bytes(bytes, image_path);
+  read.has_alpha = !image.alpha.empty();
+  for (std::size_t k = 0; k < image.alpha.size(); ++k)
+    if (image.alpha_16.empty() ? image.alpha[k] != 255 : image.alpha_16[k] != 65535) ++read.not_opaque;
+  read.map = grid_of_image(image, read.yaml, yaml_path);
+  const auto width = static_cast<std::size_t>(image.width);
+  for (std::size_t k = 0; k < image.pixels.size(); ++k) {
+    const std::size_t row = static_cast<std::size_t>(image.height) - 1 - k / width;
+    ++read.cells_of_grey[image.pixels[k]][static_cast<std::size_t>(read.map.cells[row * width + k % width])];
+  }
+  return read;
+}
+
 GridMap read_map(const std::string& path) {
   const std::string text = read_input_file(path, path, kLongestSegmentFile + 1);
-  if (!is_segment_text(text, path)) return image_map(text, path);
+  if (!is_segment_text(text, path)) return read_image_map(text, path).map;
   return place_segments(segment_map_from_text(text, path), path).map;
 }
 

@@ -3,12 +3,13 @@
 
 #include <cstddef>
 #include <string>
+#include <vector>
 
 #include "common/math/pose.h"
 
 namespace parloc {
 
-/// A map YAML has seven lines: a longer file than this is another kind of file.
+/// A map YAML has a dozen lines: a longer file than this is another kind of file.
 inline constexpr std::size_t kLongestMapYaml = 64 * 1024;
 
 /// How a pixel becomes a cell, as in nav2 map_server.
@@ -28,12 +29,15 @@ struct MapYaml {
   double occupied_thresh = 0.0;
   double free_thresh = 0.0;
   MapMode mode = MapMode::trinary;
+  std::vector<std::string> notes;  ///< What is not used, or not as it stands: "m.yaml:7: ...", one line each.
 };
 
 /// Reads the text of a map's YAML file; `name` is used in messages only. Throws Error{input} with name:line
-/// for text that is not a YAML mapping, an unknown key (naming the nearest valid one), a duplicate or missing
-/// key, a value of the wrong type or out of its range, thresholds out of order, an unknown mode. All keys are
-/// required except `mode` (trinary): a map without thresholds means different things to different servers.
+/// for text that is not a YAML mapping, a duplicate or missing key, a value of the wrong type or out of its
+/// range, thresholds out of order, an unknown mode, and a key that is nearly a known one and stands for it.
+/// Any other key is noted and not used, as in nav2. All keys are required except `mode` (trinary): a map
+/// without thresholds means different things to different servers. Source of the rules: map_io.cpp of
+/// nav2_map_server and the conversions of yaml-cpp.
 MapYaml map_yaml_from_text(const std::string& text, const std::string& name);
 
 }  // namespace parloc

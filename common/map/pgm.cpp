@@ -73,12 +73,32 @@ struct Raster {
   std::size_t pixels() const { return static_cast<std::size_t>(width) * static_cast<std::size_t>(height); }
 };
 
-std::uint8_t to_8_bits(std::uint32_t value, std::int32_t largest) {
-  const std::uint32_t whole = static_cast<std::uint32_t>(largest);
-  return static_cast<std::uint8_t>((value * 255u + whole / 2u) / whole);
-}
+/// Puts pixels into an image, which has 8 bits of each and, where these are not all, 16.
+class PixelSink {
+ public:
+  PixelSink(GreyImage& image, const Raster& raster)
+      : image_(image), largest_(static_cast<std::uint32_t>(raster.largest)), is_fine_(255 % largest_ != 0) {
+    image_.pixels.reserve(raster.pixels());
+    if (is_fine_) image_.colour_sums.reserve(raster.pixels());
+  }
 
-std::vector<std::uint8_t> read_raw(PgmBytes& bytes, const Raster& raster) {
+  void put(std::uint32_t value) {
+    image_.pixels.push_back(scaled<std::uint8_t>(value));
+    if (is_fine_) image_.colour_sums.push_back(3u * scaled<std::uint16_t>(value));
+  }
+
+ private:
+  template <class Scaled>
+  Scaled scaled(std::uint32_t value) const {
+    return static_cast<Scaled>((value * std::uint32_t{Scaled(~Scaled{})} + largest_ / 2u) / largest_);
+  }
+
+  GreyImage& image_;
+  std::uint32_t largest_;
+  bool is_fine_;  ///< 8 bits do not hold every value: 0 to 255 is not a whole number of steps.
+};
+
+void read_raw(PgmBytes& bytes, const Raster& raster, GreyImage& image) {
   // One white space character ends the header; a comment right there counts as one, as in Netpbm.
   if (bytes.left() > 0 && bytes.take() == '#') bytes.skip_line();
   const std::size_t depth = raster.largest > 255 ? 2 : 1;
@@ -88,15 +108,15 @@ std::vector<std::uint8_t> read_raw(PgmBytes& bytes, const Raster& raster) {
     bytes.fail_file(fmt::format("truncated: expected {} bytes of pixels ({} x {}, maxval {}), found {}",
                                 expected, raster.width, raster.height, raster.largest, found));
   }
-  std::vector<std::uint8_t> pixels(raster.pixels());
+  PixelSink pixels(image, raster);
   const std::uint8_t* data = bytes.here();
-  for (std::size_t k = 0; k < pixels.size(); ++k) {
+  for (std::size_t k = 0; k < raster.pixels(); ++k) {
     const std::uint32_t value = depth == 1 ? data[k] : data[2 * k] * 256u + data[2 * k + 1];
     if (value > static_cast<std::uint32_t>(raster.largest)) {
       bytes.fail_file(
           fmt::format("pixel {} is {}: expected at most the maxval {}", k, value, raster.largest));
     }
-    pixels[k] = to_8_bits(value, raster.largest);
+    pixels.put(value);
   }
   for (std::size_t k = expected; k < found; ++k) {
     if (!is_space(data[k])) {
@@ -104,32 +124,28 @@ std::vector<std::uint8_t> read_raw(PgmBytes& bytes, const Raster& raster) {
                                   raster.width, raster.height, raster.largest, found));
     }
   }
-  return pixels;
 }
 
-std::vector<std::uint8_t> read_plain(PgmBytes& bytes, const Raster& raster) {
+void read_plain(PgmBytes& bytes, const Raster& raster, GreyImage& image) {
   const std::size_t least = 2 * raster.pixels() - 1;  // one digit each, and something between them
   if (bytes.left() < least) {
     bytes.fail_file(fmt::format("truncated: expected at least {} bytes of pixels ({} x {} numbers), found {}",
                                 least, raster.width, raster.height, bytes.left()));
   }
-  std::vector<std::uint8_t> pixels;
-  pixels.reserve(raster.pixels());
+  PixelSink pixels(image, raster);
   for (std::size_t k = 0; k < raster.pixels(); ++k) {
     bytes.skip_blanks();
     if (bytes.left() == 0) {
       bytes.fail_file(fmt::format("truncated: expected {} pixels ({} x {}), found {}", raster.pixels(),
                                   raster.width, raster.height, k));
     }
-    pixels.push_back(
-        to_8_bits(static_cast<std::uint32_t>(bytes.number("pixel", 0, raster.largest)), raster.largest));
+    pixels.put(static_cast<std::uint32_t>(bytes.number("pixel", 0, raster.largest)));
   }
   bytes.skip_blanks();
   if (bytes.left() > 0) {
     bytes.fail(fmt::format("expected {} pixels ({} x {}), found more", raster.pixels(), raster.width,
                            raster.height));
   }
-  return pixels;
 }
 
 }  // namespace
@@ -152,7 +168,7 @@ GreyImage read_pgm(const std::uint8_t* data, std::size_t size, const std::string
   GreyImage image;
   image.width = raster.width;
   image.height = raster.height;
-  image.pixels = plain ? read_plain(bytes, raster) : read_raw(bytes, raster);
+  plain ? read_plain(bytes, raster, image) : read_raw(bytes, raster, image);
   return image;
 }
 

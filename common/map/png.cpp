@@ -60,10 +60,11 @@ bool attempt(Decoder& decoder, const Calls& calls) {
   return true;
 }
 
-/// What the image is once libpng has expanded it to 8 bits a channel.
+/// What the image is once libpng has expanded it to 8 or 16 bits a channel.
 struct Layout {
   png_uint_32 width, height;
   std::size_t channels;  // grey, grey + alpha, RGB or RGBA
+  std::size_t depth;     // bytes of a channel, 1 or 2
   std::size_t pixels() const { return std::size_t{width} * height; }
   bool has_alpha() const { return channels == 2 || channels == 4; }
 };
@@ -102,19 +103,48 @@ void check_size(const Decoder& decoder, std::size_t size, const std::string& nam
   }
 }
 
-/// Any depth and colour type to 8 bits a channel; a palette to RGB, a transparent colour to alpha.
-bool expand_to_8_bits(Decoder& decoder, Layout& layout) {
+/// Any depth and colour type to 8 or 16 bits a channel; a palette to RGB, a transparent colour to alpha.
+bool expand_to_bytes(Decoder& decoder, Layout& layout) {
   return attempt(decoder, [&](png_structp png, png_infop info) {
     png_set_expand(png);
-    png_set_scale_16(png);
     png_set_interlace_handling(png);
     png_read_update_info(png, info);
-    layout = {png_get_image_width(png, info), png_get_image_height(png, info), png_get_channels(png, info)};
+    layout = {png_get_image_width(png, info), png_get_image_height(png, info), png_get_channels(png, info),
+              png_get_bit_depth(png, info) == 16 ? std::size_t{2} : 1};
   });
 }
 
-std::uint8_t mean_colour(const std::uint8_t* pixel, std::size_t channels) {
-  return channels < 3 ? pixel[0] : static_cast<std::uint8_t>((pixel[0] + pixel[1] + pixel[2] + 1) / 3);
+/// A channel's value with 16 bits.
+std::uint16_t value_16(const std::uint8_t* channel, std::size_t depth) {
+  return static_cast<std::uint16_t>(depth == 2 ? channel[0] * 256 + channel[1] : channel[0] * 257);
+}
+
+/// ... and with 8, which of 16 are the nearest.
+std::uint8_t value_8(std::uint16_t value) {
+  return static_cast<std::uint8_t>((value * 255u + 32895u) >> 16);
+}
+
+/// Grey is the mean of the colours: exactly, and of what each is with 8 bits.
+void put_pixels(const std::vector<std::uint8_t>& bytes, const Layout& layout, GreyImage& image) {
+  const bool has_colours = layout.channels >= 3;
+  const bool is_fine = has_colours || layout.depth == 2;
+  image.pixels.resize(layout.pixels());
+  if (is_fine) image.colour_sums.resize(layout.pixels());
+  if (layout.has_alpha()) image.alpha.resize(layout.pixels());
+  if (layout.has_alpha() && layout.depth == 2) image.alpha_16.resize(layout.pixels());
+  for (std::size_t k = 0; k < layout.pixels(); ++k) {
+    const std::uint8_t* pixel = bytes.data() + k * layout.channels * layout.depth;
+    const auto channel = [&](std::size_t c) { return value_16(pixel + c * layout.depth, layout.depth); };
+    const std::uint16_t red = channel(0), green = has_colours ? channel(1) : red,
+                        blue = has_colours ? channel(2) : red;
+    const int sum_8 = value_8(red) + value_8(green) + value_8(blue);
+    image.pixels[k] = static_cast<std::uint8_t>((sum_8 + 1) / 3);
+    if (is_fine) image.colour_sums[k] = std::uint32_t{red} + green + blue;
+    if (!layout.has_alpha()) continue;
+    const std::uint16_t alpha = channel(layout.channels - 1);
+    image.alpha[k] = value_8(alpha);
+    if (!image.alpha_16.empty()) image.alpha_16[k] = alpha;
+  }
 }
 
 /// All rows, one after the other, interlaced or not.
@@ -137,20 +167,15 @@ GreyImage read_png(const std::uint8_t* data, std::size_t size, const std::string
   if (!open(decoder, data, size)) throw corrupt();
   check_size(decoder, size, name);
   Layout layout{};
-  if (!expand_to_8_bits(decoder, layout)) throw corrupt();
+  if (!expand_to_bytes(decoder, layout)) throw corrupt();
   std::vector<std::uint8_t> bytes;
   if (!read_rows(decoder, layout, bytes)) throw corrupt();
-  GreyImage image{static_cast<std::int32_t>(layout.width), static_cast<std::int32_t>(layout.height), {}, {}};
-  if (layout.channels == 1) {
+  GreyImage image{
+      static_cast<std::int32_t>(layout.width), static_cast<std::int32_t>(layout.height), {}, {}, {}, {}};
+  if (layout.channels == 1 && layout.depth == 1) {
     image.pixels = std::move(bytes);
-    return image;
-  }
-  image.pixels.resize(layout.pixels());
-  if (layout.has_alpha()) image.alpha.resize(layout.pixels());
-  for (std::size_t k = 0; k < layout.pixels(); ++k) {
-    const std::uint8_t* pixel = bytes.data() + k * layout.channels;
-    image.pixels[k] = mean_colour(pixel, layout.channels);
-    if (layout.has_alpha()) image.alpha[k] = pixel[layout.channels - 1];
+  } else {
+    put_pixels(bytes, layout, image);
   }
   return image;
 }

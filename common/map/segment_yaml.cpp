@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <optional>
 #include <string_view>
 #include <vector>
 
@@ -144,7 +145,8 @@ class SegmentEvents : public YamlEvents {
   bool in_map_ = false;
 };
 
-/// Stops at the first key that only one kind of map has, or that is nearest to one such.
+/// Stops at the first key that only one kind of map has. Without one it is the kind that the first other key
+/// is nearest to.
 struct KindOfMap : YamlEvents {
   struct Found {
     bool segments;
@@ -152,10 +154,14 @@ struct KindOfMap : YamlEvents {
 
   void key(const std::string& name, std::size_t) override {
     if (depth > 1 || name == "name" || name == "resolution") return;
+    const auto is_one_of = [&](const auto& names) {
+      return std::find(names.begin(), names.end(), name) != names.end();
+    };
+    if (is_one_of(kSegmentKeys) || is_one_of(kImageKeys)) throw Found{is_one_of(kSegmentKeys)};
     const auto distance_to = [&](const auto& names) {
       return edit_distance(name.substr(0, 100), nearest_name(name, names));
     };
-    throw Found{distance_to(kSegmentKeys) < distance_to(kImageKeys)};
+    if (!guess) guess = distance_to(kSegmentKeys) < distance_to(kImageKeys);
   }
   void value(YamlKind kind, const std::string&, std::size_t) override {
     if (kind == YamlKind::list || kind == YamlKind::group) ++depth;
@@ -163,19 +169,20 @@ struct KindOfMap : YamlEvents {
   void end() override { --depth; }
 
   int depth = 0;
+  std::optional<bool> guess;
 };
 
 }  // namespace
 
 bool is_segment_yaml(const std::string& text) {
+  KindOfMap kind;
   try {
-    KindOfMap kind;
     read_yaml(text, "", {"a map", static_cast<std::size_t>(-1), ErrorKind::input, true}, kind);
   } catch (const KindOfMap::Found& found) {
     return found.segments;
   } catch (const Error&) {
   }
-  return false;
+  return kind.guess.value_or(false);
 }
 
 SegmentMap segment_map_from_yaml(const std::string& text, const std::string& name) {

@@ -79,10 +79,10 @@ RigidTransform blend(const RigidTransform& a, const RigidTransform& b, double pa
 
 Pose planar(const RigidTransform& a) {
   // A rotation about z alone is the usual case, and twice an angle the more precise way to it.
-  const double yaw_rad = a.qx == 0.0 && a.qy == 0.0
-                             ? 2.0 * portable_atan2_64(a.qz, a.qw)
-                             : portable_atan2_64(2.0 * (a.qw * a.qz + a.qx * a.qy),
-                                                 1.0 - 2.0 * (a.qy * a.qy + a.qz * a.qz));
+  const double yaw_rad =
+      a.qx == 0.0 && a.qy == 0.0
+          ? 2.0 * portable_atan2_64(a.qz, a.qw)
+          : portable_atan2_64(2.0 * (a.qw * a.qz + a.qx * a.qy), 1.0 - 2.0 * (a.qy * a.qy + a.qz * a.qz));
   return {a.x_m, a.y_m, wrap64(yaw_rad)};
 }
 

@@ -12,8 +12,8 @@
 
 namespace parloc {
 
-/// Frames of a robot. A frame that moves (/tf) remembers the last 10 s, at most 4096 transforms; one that does
-/// not (/tf_static) its last value. Where both are said of one frame, what moves counts.
+/// Frames of a robot. A frame that moves (/tf) remembers the last 10 s, at most 4096 transforms; one that
+/// does not (/tf_static) its last value. Where both are said of one frame, what moves counts.
 class TransformTree {
  public:
   /// Parents that are empty, frames that are their own parent, and transforms that are not rigid are left out
@@ -46,7 +46,8 @@ class TransformTree {
     std::deque<Stamped> moving;  ///< In the order of their stamps.
     bool contradicted = false;
   };
-  void contradict(const std::string& name, Frame& frame, const RigidTransform& fixed, const RigidTransform& said);
+  void contradict(const std::string& name, Frame& frame, const RigidTransform& fixed,
+                  const RigidTransform& said);
   RigidTransform at(const Frame& frame, double stamp_s) const;
   std::vector<std::string> way_up(const std::string& frame) const;
 

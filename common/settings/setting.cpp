@@ -90,33 +90,34 @@ std::string limits_message(const Setting& setting) {
   const auto must = [&](const std::string& got) {
     return fmt::format("{} must be {}, got {}", setting.name(), allowed_text(setting), got);
   };
-  return std::visit(Overloaded{[&](const auto& number) {
-                                 const auto* value = number.slot.get();
-                                 const bool allowed = value == nullptr || within(*value, number.limits);
-                                 return allowed ? std::string() : must(fmt::format("{}", *value));
-                               },
-                               [](const FlagSetting&) { return std::string(); },
-                               [&](const TextSetting& text) {
-                                 return is_plain_text(*text.text)
-                                            ? std::string()
-                                            : fmt::format("{} must be at most 256 printable characters without quotes, got '{}'",
-                                                          setting.name(), printable(*text.text));
-                               },
-                               [&](const ChoiceSetting& choice) {
-                                 const std::optional<int> number = choice.number();
-                                 const bool allowed = !number || choice.name() != nullptr;
-                                 return allowed ? std::string() : must(fmt::format("the number {}", *number));
-                               },
-                               [&](const IntervalsSetting& list) {
-                                 const auto intervals = list.get();
-                                 if (intervals.size() > list.most)
-                                   return must(fmt::format("{} of them", intervals.size()));
-                                 for (const auto& [from, to] : intervals)
-                                   if (!within(from, list.limits) || !within(to, list.limits))
-                                     return must(fmt::format("[{}, {}]", from, to));
-                                 return std::string();
-                               }},
-                    setting.value);
+  return std::visit(
+      Overloaded{[&](const auto& number) {
+                   const auto* value = number.slot.get();
+                   const bool allowed = value == nullptr || within(*value, number.limits);
+                   return allowed ? std::string() : must(fmt::format("{}", *value));
+                 },
+                 [](const FlagSetting&) { return std::string(); },
+                 [&](const TextSetting& text) {
+                   return is_plain_text(*text.text)
+                              ? std::string()
+                              : fmt::format(
+                                    "{} must be at most 256 printable characters without quotes, got '{}'",
+                                    setting.name(), printable(*text.text));
+                 },
+                 [&](const ChoiceSetting& choice) {
+                   const std::optional<int> number = choice.number();
+                   const bool allowed = !number || choice.name() != nullptr;
+                   return allowed ? std::string() : must(fmt::format("the number {}", *number));
+                 },
+                 [&](const IntervalsSetting& list) {
+                   const auto intervals = list.get();
+                   if (intervals.size() > list.most) return must(fmt::format("{} of them", intervals.size()));
+                   for (const auto& [from, to] : intervals)
+                     if (!within(from, list.limits) || !within(to, list.limits))
+                       return must(fmt::format("[{}, {}]", from, to));
+                   return std::string();
+                 }},
+      setting.value);
 }
 
 std::optional<Violation> first_beyond_limits(const Settings& settings) {

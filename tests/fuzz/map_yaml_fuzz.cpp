@@ -10,7 +10,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
     parloc::fuzz::require(yaml.resolution_m > 0.0 && std::isfinite(yaml.resolution_m) &&
                           !yaml.image.empty() && std::fabs(yaml.T_map_grid.theta_rad) < 3.15 &&
                           std::isfinite(yaml.T_map_grid.x_m) && std::isfinite(yaml.T_map_grid.y_m) &&
-                          yaml.free_thresh < yaml.occupied_thresh);
+                          yaml.free_thresh <= yaml.occupied_thresh);
   });
   return 0;
 }

@@ -55,6 +55,40 @@ TEST_F(MapProgram, ConvertsBetweenGridsAndWalls) {
   expect_told({"convert", path("room.yaml"), path("rough.yaml"), "--max-error", "0.2"}, {"0.2 m allowed"});
 }
 
+TEST_F(MapProgram, CropsABorderOfUnknownThatItNames) {
+  GridMap wide = room;
+  wide.width = 800, wide.height = 500;
+  wide.T_map_grid = {-30.0, -20.0, 0.5};
+  wide.cells.assign(400'000, Cell::unknown);
+  for (std::int32_t j = 0; j < room.height; ++j)
+    for (std::int32_t i = 0; i < room.width; ++i)
+      if (room.at(i, j) != Cell::unknown) wide.cells[wide.index(i + 300, j + 200)] = room.at(i, j);
+  write_map(path("wide.yaml"), wide);
+  expect_parts(
+      done({"map", "check", path("wide.yaml")}).out,
+      {"note: a border of unknown is 99 % of the cells and takes about 15 MB", "leaves 60 x 40 cells"});
+  done({"map", "convert", path("wide.yaml"), path("cropped.yaml"), "--crop"});
+  const GridMap cropped = read_map(path("cropped.yaml"));
+  EXPECT_EQ(cropped.width, 62);
+  EXPECT_EQ(cropped.height, 42);
+  for (std::int32_t j = 0; j < wide.height; ++j) {
+    for (std::int32_t i = 0; i < wide.width; ++i) {
+      const Pose place = compose(wide.T_map_grid, {(i + 0.5) * 0.1, (j + 0.5) * 0.1, 0.0});
+      ASSERT_EQ(cropped.at_point(place.x_m, place.y_m), wide.at(i, j)) << i << ", " << j;
+    }
+  }
+  EXPECT_EQ(done({"map", "check", path("cropped.yaml")}).out,
+            path("cropped.yaml") + ": sound, 62 x 42 cells\n");
+}
+
+TEST_F(MapProgram, NamesKeysThatAreNotUsed) {
+  write_map(path("typed.yaml"), room);
+  std::ofstream(path("typed.yaml"), std::ios::app) << "map_type: occupancy\nzones:\n  - {name: a}\n";
+  for (const char* what : {"info", "check"})
+    expect_parts(done({"map", what, path("typed.yaml")}).out, {"typed.yaml:8: the key 'map_type' is not used",
+                                                               "typed.yaml:9: the key 'zones' is not used"});
+}
+
 TEST_F(MapProgram, MapErrorsAreOneLine) {
   write("odd.yaml", "segments: [[0, 0, 1, 0], [1, 0, 0, 0], [2, 2, 2, 2]]\n");
   expect_parts(done({"map", "check", path("odd.yaml")}).out,
@@ -82,6 +116,9 @@ TEST_F(MapProgram, MapErrorsAreOneLine) {
       {convert("room.yaml", "o.yaml", {"--resolution", "1"}), 2, "for segments only"},
       {convert("room.yaml", "o.yaml", {"--max-error", "-1"}), 2, "--max-error: expected a number"},
       {convert("room.yaml", "o.yaml", {"--to", "grid"}), 2, "is a grid already"},
+      {convert("odd.yaml", "o.yaml", {"--crop"}), 2, "--crop makes a grid of a grid"},
+      {convert("room.yaml", "o.geojson", {"--crop"}), 2, "--crop makes a grid of a grid"},
+      {convert("room.yaml", "o.yaml", {"--crop", "--max-error", "1"}), 2, "it takes no other option"},
       {convert("room.yaml", "no/such/o.yaml"), 5, "cannot be written"},
       {convert("odd.yaml", "taken.yaml"), 5, "taken.yaml: cannot be written"},
       {convert("room.yaml", "o.shp"), 2, "expected OUT to end in .yaml"},

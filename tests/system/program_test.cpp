@@ -144,7 +144,7 @@ TEST_F(Program, ErrorsAreOneLineAndDestroyNothing) {
   write("truncated.pgm", read("room.pgm").substr(0, 300));
   std::string yaml = read("room.yaml");
   write("truncated.yaml", yaml.replace(yaml.find("room.pgm"), 8, "truncated.pgm"));
-  write("unknown_key.yaml", read("room.yaml") + "colour: red\n");
+  write("unknown_key.yaml", read("room.yaml") + "fre_thresh: 0.2\n");
   write("late.tum", "900.0 1 1 0 0 0 0 1\n");
   const std::string init = "--init=1,1,0";
   const auto on_map = [&](const std::string& map, const Args& more = {}) {
@@ -173,7 +173,8 @@ TEST_F(Program, ErrorsAreOneLineAndDestroyNothing) {
       {run_args({"--init", "60,1,0"}), 3, "inside the map"},
       {on_map("missing.yaml"), 3, "missing.yaml"},
       {on_map("truncated.yaml"), 3, "truncated.pgm"},
-      {on_map("unknown_key.yaml"), 3, "colour"},
+      {on_map("unknown_key.yaml"), 3,
+       "unknown_key.yaml:8: unknown key 'fre_thresh'; the nearest valid key is 'free_thresh'"},
       {run_args({init}, "missing.log"), 3, "missing.log"},
       {run_args({init}, "no_scan.log"), 3, "expected at least one scan"},
       {run_args({init, "--truth", path("missing.tum")}), 3, "missing.tum"},
@@ -291,6 +292,30 @@ TEST_F(Program, PrintedConfigurationIsAConfiguration) {
   const std::string defaults = done({"config"}).out;
   write("defaults.yaml", defaults);
   EXPECT_EQ(done({"config", "--config", path("defaults.yaml")}).out, defaults);
+}
+
+TEST_F(Program, TakesTheSettingsOfNav2) {
+  write("nav2.yaml",
+        "/robot1/amcl:\n  ros__parameters:\n    set_initial_pose: true\n    initial_pose: {x: 1.0, y: 1.0, "
+        "yaw: 0.0}\n"
+        "    max_beams: 40\n    max_particles: 400\n    min_particles: 300\n    base_frame_id: base_link\n   "
+        " sgima_hit: 1\n");
+  const Outcome run = done(run_args({"--config", path("nav2.yaml"), "--json"}));
+  expect_parts(run.err,
+               {"nav2.yaml: nav2's settings of /robot1/amcl: 7 parameters taken; parloc config --config ",
+                "nav2.yaml: 1 have no meaning here: base_frame_id",
+                "nav2.yaml: 1 are no parameters of amcl: sgima_hit"});
+  const Json config = Json::parse(run.out).at("config");
+  EXPECT_EQ(config.at("scan").at("max_beams"), 40);
+  EXPECT_EQ(config.at("max_particles"), 400);
+  expect_parts(done({"config", "--config", path("nav2.yaml")}).out,
+               {"# taken     max_beams: 40 -> scan.max_beams: 40\n",
+                "# not used  base_frame_id: base_link -> a log has no frames\n",
+                "# not used  sgima_hit: 1 -> no parameter of amcl; the nearest is 'sigma_hit'\n",
+                "\n  max_beams: 40 "});
+  // The listing is of comments: what is printed is a configuration of its own.
+  write("translated.yaml", done({"config", "--config", path("nav2.yaml")}).out);
+  EXPECT_EQ(done({"config", "--config", path("translated.yaml")}).out.find("amcl"), std::string::npos);
 }
 
 TEST_F(Program, EveryHelpFitsAScreen) {

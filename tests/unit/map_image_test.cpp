@@ -1,4 +1,4 @@
-// PGM and PNG images, good and broken.
+// PGM and PNG images, good and broken. Those of BMP are in map_bmp_test.cpp.
 #include <gtest/gtest.h>
 #include <png.h>
 #include <zlib.h>

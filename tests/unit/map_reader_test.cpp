@@ -1,4 +1,4 @@
-// Maps as a whole: the YAML file, what a pixel becomes in each mode, and writing a map that reads back.
+// Maps as a whole: what a pixel becomes in each mode, and writing a map that reads back.
 #include "common/map/map_reader.h"
 
 #include <gtest/gtest.h>
@@ -6,6 +6,7 @@
 #include <unistd.h>
 
 #include <algorithm>
+#include <cmath>
 #include <cstdlib>
 #include <limits>
 
@@ -56,94 +57,6 @@ std::string picture(const GridMap& map) {
   return out;
 }
 
-// ---- the YAML file ------------------------------------------------------------------------------
-
-TEST(MapYaml, ReadsEveryKey) {
-  const MapYaml y = map_yaml_from_text(
-      "# a map\nresolution: 0.050000\nimage: \"my map.pgm\"\norigin: [-27.2224, +48.5, -4.71238898038469]\n"
-      "negate: 1\noccupied_thresh: .65\nfree_thresh: 0.196\nmode: scale\n",
-      "m.yaml");
-  EXPECT_EQ(y.image, "my map.pgm");
-  EXPECT_EQ(y.image_line, 3u);
-  EXPECT_EQ(y.resolution_m, 0.05);
-  expect_near(y.T_map_grid, {-27.2224, 48.5, 1.5707963267948966}, 0.0, 1e-15);  // wrapped, not resampled
-  EXPECT_TRUE(y.negate);
-  EXPECT_EQ(y.occupied_thresh, 0.65);
-  EXPECT_EQ(y.free_thresh, 0.196);
-  EXPECT_EQ(y.mode, MapMode::scale);
-}
-
-TEST(MapYaml, ModeIsTrinaryUnlessSaid) {
-  EXPECT_EQ(map_yaml_from_text(yaml_with("negate: 0"), "m").mode, MapMode::trinary);
-  EXPECT_EQ(map_yaml_from_text(yaml_with("negate: false\nmode: raw"), "m").mode, MapMode::raw);
-}
-
-struct Mistake {
-  std::string yaml;
-  const char* message;
-};
-
-TEST(MapYaml, EachMistakeHasOneClearLine) {
-  const std::string rest = "origin: [0, 0, 0]\nnegate: 0\noccupied_thresh: 0.65\nfree_thresh: 0.196\n";
-  const std::string all = "image: a.pgm\nresolution: 0.05\n" + rest;
-  const auto without = [&](const std::string& key) {
-    std::string text = all;
-    const std::size_t line = text.find(key + ':');
-    return text.erase(line, text.find('\n', line) + 1 - line);
-  };
-  // The line of the same key is gone, so that it is the sixth and last.
-  const auto with = [&](const std::string& line) {
-    return without(line.substr(0, line.find(':'))) + line + '\n';
-  };
-  const std::vector<Mistake> mistakes{
-      // Keys.
-      {all + "ocupied_thresh: 1\n",
-       "m.yaml:7: unknown key 'ocupied_thresh'; the nearest valid key is 'occupied_thresh'"},
-      {"imge: a.pgm\nresolution: 0.05\n" + rest,
-       "m.yaml:1: unknown key 'imge'; the nearest valid key is 'image'"},
-      {all + "\n<<: {mode: raw}\n", "m.yaml:8: unknown key '<<'; the nearest valid key is 'mode'"},
-      {all + "mode: raw\nnegate: 0\n", "m.yaml:8: duplicate key 'negate', first on line 4"},
-      {all + "[1]: 2\n", "m.yaml:7: expected a key, got a list, or a bracket that is not closed"},
-      {without("image"), "m.yaml:1: image is missing"},
-      {without("resolution"), "m.yaml:1: resolution is missing"},
-      {without("origin"), "m.yaml:1: origin is missing"},
-      {without("negate"), "m.yaml:1: negate is missing"},
-      {without("occupied_thresh"), "m.yaml:1: occupied_thresh is missing"},
-      {without("free_thresh"), "m.yaml:1: free_thresh is missing"},
-      // Values.
-      {"image: \"\"\nresolution: 0.05\n" + rest, "m.yaml:1: image: expected a text, got nothing"},
-      {"image: [a]\nresolution: 0.05\n" + rest, "m.yaml:1: image: expected a text, got a list"},
-      {"image: a\nresolution: 0\n" + rest, "m.yaml:2: resolution must be 0.0001 to 1000, got 0"},
-      {"image: a\nresolution: -0.05\n" + rest, "m.yaml:2: resolution must be 0.0001 to 1000, got -0.05"},
-      {"image: a\nresolution: nan\n" + rest, "m.yaml:2: resolution must be 0.0001 to 1000, got nan"},
-      {"image: a\nresolution: 1e999\n" + rest, "m.yaml:2: resolution must be 0.0001 to 1000, got 1e999"},
-      {"image: a\nresolution: 5cm\n" + rest, "m.yaml:2: resolution: expected a number, got '5cm'"},
-      {"image: a\nresolution:\n" + rest, "m.yaml:2: resolution: expected a number, got nothing"},
-      {with("negate: 2"), "m.yaml:6: negate: expected 0, 1, false or true, got '2'"},
-      {with("free_thresh: 1.5"), "m.yaml:6: free_thresh must be 0 to 1, got 1.5"},
-      {with("free_thresh: 0.7"), "m.yaml:6: free_thresh 0.7 must be below occupied_thresh 0.65"},
-      {all + "mode: binary\n", "m.yaml:7: mode: expected trinary, scale or raw, got 'binary'"},
-      {with("origin: [0, 0]"),
-       "m.yaml:6: origin: expected [x, y, yaw] in metres and radians, got a list of 2"},
-      {with("origin: 3"), "m.yaml:6: origin: expected [x, y, yaw] in metres and radians, got '3'"},
-      {with("origin: [0, 0, [1]]"), "m.yaml:6: origin: expected a number, got a list"},
-      {with("origin: [0, 0, 90]"), "m.yaml:6: origin must have a yaw in radians, at most one turn, got 90"},
-      {with("origin: [inf, 0, 0]"), "m.yaml:6: origin must be -100000000 to 100000000, got inf"},
-      // Not a map YAML at all.
-      {"", "m.yaml: image is missing"},
-      {",", "m.yaml:1: expected one document, found a second one"},
-      {all + "mode: &a raw\n? *a\n", "m.yaml:8: aliases ('*name') are not allowed"},
-      {"- image: a\n", "m.yaml:1: expected lines of 'key: value', got a list"},
-      {"just a text", "m.yaml:1: expected lines of 'key: value', got 'just a text'"},
-      {all + "---\nimage: b\n", "m.yaml:7: expected one document, found a second one"},
-      {"P5\n4 4\n255\n", "m.yaml: is an image: expected the map's YAML file, which names the image"},
-      {"image: \"\\q\"\n", "m.yaml:1: not valid YAML: unknown escape character: q"},
-      {std::string(70000, '#'), "m.yaml: expected a map YAML of at most 64 KiB"},
-  };
-  for (const Mistake& m : mistakes)
-    EXPECT_EQ(error_of([&] { map_yaml_from_text(m.yaml, "m.yaml"); }), m.message) << m.yaml;
-}
-
 // ---- pixels to cells ----------------------------------------------------------------------------
 
 class MapModes : public MapFolder {
@@ -158,6 +71,20 @@ class MapModes : public MapFolder {
 // -> 0.647.
 TEST_F(MapModes, Trinary) {
   EXPECT_EQ(picture(read({205, 254, 0, 206, 90, 89, 255}, "negate: 0")), "?.#.?#.");
+}
+
+// nav2 asks "occupied_thresh < 1 - shade", then "1 - shade < free_thresh", in double precision: a tie is
+// unknown, but 1 - 204/255 is a hair below 0.2, as 1 - 153/255 is 0.4 exactly.
+TEST_F(MapModes, TiesAtTheThresholds) {
+  const auto cells = [&](const std::string& thresholds, const std::string& more) {
+    write("map.pgm", pgm(4, 1, {204, 203, 153, 102}));
+    return picture(read_map(
+        write("map.yaml", "image: map.pgm\nresolution: 0.05\norigin: [0, 0, 0]\n" + thresholds + more)));
+  };
+  EXPECT_EQ(cells("occupied_thresh: 0.4\nfree_thresh: 0.2\n", "negate: 0\n"), ".??#");
+  EXPECT_EQ(cells("occupied_thresh: 0.8\nfree_thresh: 0.4\n", "negate: 1\n"), "????");
+  EXPECT_EQ(cells("occupied_thresh: 0.4\nfree_thresh: 0.4\n", "negate: 0\n"), "..?#");
+  EXPECT_EQ(cells("occupied_thresh: 0.5\nfree_thresh: 0.5\n", "negate: 0\n"), "...#");
 }
 
 TEST_F(MapModes, NegateSwapsBlackAndWhite) {
@@ -192,6 +119,40 @@ TEST_F(MapFolder, AlphaInEachMode) {
   EXPECT_EQ(cells("raw"), ".???.#");
 }
 
+// Colours are averaged before anything is rounded: 205, 205, 206 is 205.33, free below 0.196; 0, 76, 76 and
+// alpha 255 are 101.75, occupied above 0.6; 89, 89, 90 is 89.33, not occupied at 0.65 as 89 is.
+TEST_F(MapFolder, ColoursAreAveragedBeforeTheThreshold) {
+  const auto cells = [&](const std::string& thresholds) {
+    return picture(read_map(
+        write("map.yaml", "image: map.png\nresolution: 0.05\norigin: [0, 0, 0]\nnegate: 0\n" + thresholds)));
+  };
+  const auto write_png = [&](png_uint_32 format, int width, const auto& values) {
+    png_image image{};
+    image.version = PNG_IMAGE_VERSION;
+    image.width = static_cast<png_uint_32>(width);
+    image.height = 1;
+    image.format = format;
+    ASSERT_NE(png_image_write_to_file(&image, path("map.png").c_str(), 0, values.data(), 0, nullptr), 0);
+  };
+  const std::string usual = "occupied_thresh: 0.65\nfree_thresh: 0.196\n";
+  write_png(PNG_FORMAT_RGB, 4,
+            std::vector<std::uint8_t>{205, 205, 205, 205, 205, 206, 89, 89, 90, 90, 90, 89});
+  EXPECT_EQ(cells(usual), "?.??");
+  EXPECT_EQ(cells("occupied_thresh: 0.65\nfree_thresh: 0.19\n"), "????");
+  write_png(PNG_FORMAT_RGBA, 3, std::vector<std::uint8_t>{0, 76, 76, 255, 0, 77, 76, 255, 51, 51, 51, 255});
+  EXPECT_EQ(cells("occupied_thresh: 0.6\nfree_thresh: 0.1\n"), "#??");
+}
+
+// 52557 of 65535 is unknown and 52700 free, where both are 205 with 8 bits.
+TEST_F(MapModes, SixteenBitsAreKept) {
+  const auto cells = [&](const std::string& pixels) {
+    write("map.pgm", "P2 4 1 " + pixels);
+    return picture(read_map(write("map.yaml", yaml_with("negate: 0"))));
+  };
+  EXPECT_EQ(cells("65535 52557 52700 22930 22945"), "?.#?");  // 1 - 22930 / 65535 = 0.65011
+  EXPECT_EQ(cells("1000 804 805 349 351"), "?.#?");
+}
+
 TEST_F(MapFolder, TheTopRowOfTheImageIsTheLastRowOfTheGrid) {
   write("map.pgm", pgm(2, 3, {0, 254, 205, 205, 254, 254}));
   const GridMap map = read_map(write("map.yaml", yaml_with("negate: 0")));
@@ -222,7 +183,7 @@ TEST_F(MapFolder, FilesThatCannotBeRead) {
             lost + ":2: image " + path("none.pgm") + ": cannot be opened: No such file or directory");
   const std::string odd = write("odd.yaml", yaml_with("negate: 0", "odd.jpg"));
   write("odd.jpg", "\xff\xd8\xff");
-  EXPECT_EQ(message(odd), path("odd.jpg") + ": expected a PGM (P2 or P5) or a PNG image");
+  EXPECT_EQ(message(odd), path("odd.jpg") + ": expected a PGM (P2 or P5), a PNG or a BMP image");
   const std::string cut = write("cut.yaml", yaml_with("negate: 0", "cut.pgm"));
   write("cut.pgm", "P5 2 2 255\n123");
   EXPECT_EQ(message(cut),

@@ -26,6 +26,7 @@ set(PARLOC_PUBLIC_HEADERS
   localize/modes.h
   map/grid_map.h
   map/map_reader.h
+  map/map_yaml.h
   map/segment_map.h
   math/pose.h
   model/beam_counts.h

@@ -6,6 +6,7 @@
 #include <string>
 
 #include "common/eval/trial.h"
+#include "common/io/log_choice.h"
 #include "common/map/grid_map.h"
 #include "common/simulator/scenario.h"
 #include "tools/program/run_items.h"

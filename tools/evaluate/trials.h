@@ -10,6 +10,7 @@
 #include "common/config/config.h"
 #include "common/eval/run_trial.h"
 #include "common/eval/trial.h"
+#include "common/io/log_choice.h"
 #include "common/localize/localizer.h"
 #include "common/map/grid_map.h"
 #include "common/simulator/scenario.h"

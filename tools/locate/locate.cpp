@@ -180,6 +180,7 @@ int locate(const LocateOptions& o, const std::string&) {
   const SearchConfig searching = search_config(o, config);
   const SearchPrior prior = parse_search_prior(o.near, o.heading);
   const GridMap map = read_map(o.map);
+  print_notes(map.notes);
   const ChosenScan chosen = choose_scan(o, config);
   std::unique_ptr<OutputFolder> out;
   if (!o.out.empty()) out = std::make_unique<OutputFolder>(o.out, std::vector<std::string>{kJson, kPicture});

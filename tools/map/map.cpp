@@ -18,6 +18,8 @@
 #include "common/error.h"
 #include "common/file/input_file.h"
 #include "common/file/output_file.h"
+#include "common/map/check/known_part.h"
+#include "common/map/check/map_findings.h"
 #include "common/map/grid_map.h"
 #include "common/map/map_limits.h"
 #include "common/map/map_reader.h"
@@ -41,13 +43,18 @@ struct SegmentFacts {
 /// A map of any kind, with what only its file knows.
 struct LoadedMap {
   GridMap map;
-  std::optional<SegmentFacts> segments;  ///< Of a segment map.
+  std::optional<SegmentFacts> segments;    ///< Of a segment map.
+  std::vector<std::string> findings = {};  ///< Of a grid's image: what does not fit together.
 };
 
 /// As read_map(); `resolution_m` replaces that of a segment map and has no effect on others.
 LoadedMap load_map(const std::string& path, std::optional<double> resolution_m = {}) {
   const std::string text = read_input_file(path, path, kLongestSegmentFile + 1);
-  if (!is_segment_text(text, path)) return {read_map(path), {}};
+  if (!is_segment_text(text, path)) {
+    ImageMap read = read_image_map(text, path);
+    std::vector<std::string> findings = image_findings(read);
+    return {std::move(read.map), {}, std::move(findings)};
+  }
   SegmentMap segments = segment_map_from_text(text, path);
   if (resolution_m) segments.resolution_m = *resolution_m;
   PlacedSegments placed = place_segments(segments, path);
@@ -125,20 +132,26 @@ void print_info(const LoadedMap& loaded) {
   print_cells(map, "free", Cell::free);
   print_cells(map, "occupied", Cell::occupied);
   print_cells(map, "unknown", Cell::unknown);
+  for (const std::string& note : map.notes) fmt::print("{:<12}{}\n", "note", note);
 }
 
 /// Prints what is odd. A map that cannot be read has thrown before; one without a free cell throws here.
 int check(const LoadedMap& loaded) {
   const GridMap& map = loaded.map;
-  if (count_of(map, Cell::free) == 0)
-    throw input_error(map.name, 0, "expected a free cell, where a robot can be, found none");
-  std::vector<std::string> notes;
+  if (count_of(map, Cell::free) == 0) {
+    const std::string why = loaded.findings.empty() ? "" : ": " + loaded.findings.front();
+    throw input_error(map.name, 0, "expected a free cell, where a robot can be, found none" + why);
+  }
+  for (const std::string& note : map.notes) fmt::print("note: {}\n", note);
+  std::vector<std::string> notes = loaded.findings;
   if (count_of(map, Cell::occupied) == 0) notes.push_back("no cell is occupied: there is nothing to see");
   if (loaded.segments) {
     if (const std::string dropped = left_out(*loaded.segments); !dropped.empty())
       notes.push_back(dropped + " left out");
     if (!loaded.segments->enclosed) notes.push_back("the walls form no closed ring: nothing is unknown");
   }
+  if (!loaded.segments)
+    for (std::string& finding : grid_findings(map)) notes.push_back(std::move(finding));
   for (const std::string& note : notes) fmt::print("{}: note: {}\n", map.name, note);
   fmt::print("{}: sound, {}\n", map.name,
              loaded.segments ? fmt::format("{} segments", map.walls.size())
@@ -149,7 +162,7 @@ int check(const LoadedMap& loaded) {
 /// As on the command line; empty: not given.
 struct ConvertOptions {
   std::string in, out, to, resolution, max_error, picture;
-  bool unknown_blocks = false;
+  bool unknown_blocks = false, crop = false;
 };
 
 constexpr double kMostError_m = 1e3;
@@ -204,6 +217,16 @@ void walls_to_walls(const ConvertOptions& o, const LoadedMap& loaded) {
   fmt::print("{:<12}{}: the same\n", "walls", o.out);
 }
 
+constexpr std::int32_t kCropMargin = 1;  ///< [cells]
+
+void crop_grid(const ConvertOptions& o, LoadedMap& loaded) {
+  GridMap part = cropped(loaded.map, kCropMargin);
+  print_grid(o.in, loaded.map);
+  loaded.map = std::move(part);
+  write_map(o.out, loaded.map);
+  print_grid(o.out, loaded.map);
+}
+
 void refuse_own_input(const ConvertOptions& o) {
   std::error_code error;
   if (std::filesystem::equivalent(o.in, o.out, error) && !error) refuse("OUT is the file that IN is");
@@ -228,14 +251,19 @@ int convert_map(const ConvertOptions& o) {
   refuse_own_input(o);
   LoadedMap loaded = load_map(o.in, resolution_m);
   const bool from_walls = loaded.segments.has_value();
-  const bool to_walls = o.to.empty() ? !from_walls || is_geojson("", o.out) : o.to == "segments";
-  if (!from_walls && !to_walls) refuse(o.in + " is a grid already");
+  const bool to_walls = o.to.empty() ? (!from_walls && !o.crop) || is_geojson("", o.out) : o.to == "segments";
+  if (o.crop && (from_walls || to_walls)) refuse("--crop makes a grid of a grid");
+  if (o.crop && (!o.max_error.empty() || o.unknown_blocks))
+    refuse("--crop moves no wall: it takes no other option");
+  if (!from_walls && !to_walls && !o.crop) refuse(o.in + " is a grid already");
   if (!from_walls && resolution_m) refuse("--resolution is for segments only; the cells of a grid stay");
   if (from_walls && (!o.max_error.empty() || o.unknown_blocks))
     refuse("--max-error and --unknown-blocks are for a grid only");
   refuse_other_endings(o.out, to_walls);
   if (!o.picture.empty()) expect_writable(o.picture);
-  if (!from_walls) {
+  if (o.crop) {
+    crop_grid(o, loaded);
+  } else if (!from_walls) {
     grid_to_walls(o, loaded.map, max_error_m);
   } else if (to_walls) {
     walls_to_walls(o, loaded);
@@ -254,12 +282,13 @@ void add_map_argument(CLI::App& app, std::string& target) {
 }
 
 CLI::App* add_convert(CLI::App& map, ConvertOptions& o) {
-  CLI::App* app = map.add_subcommand("convert", "Make a grid of segments, or segments of a grid");
+  CLI::App* app = map.add_subcommand("convert", "Make a grid of segments or the reverse, or crop a grid");
   add_text_option(*app, "IN", o.in, "FILE", "A map of either kind")->required();
   add_text_option(*app, "OUT", o.out, "FILE", ".yaml, or .geojson for segments")->required();
   add_text_option(*app, "--resolution", o.resolution, "M", "Cell size of the grid (as IN says)");
   add_text_option(*app, "--max-error", o.max_error, "M", "Simplify traced walls by so much (0)");
   app->add_flag("--unknown-blocks", o.unknown_blocks, "Unknown cells are walls, too");
+  app->add_flag("--crop", o.crop, "Of a grid: without the border of unknown");
   add_text_option(*app, "--to", o.to, "KIND", "grid or segments (what IN is not)")
       ->check(CLI::IsMember({"grid", "segments"}));
   add_text_option(*app, "--picture", o.picture, "P.png", "Draw both on top of each other");

@@ -12,6 +12,7 @@
 
 #include "common/config/config.h"
 #include "common/config/config_settings.h"
+#include "common/config/nav2_config.h"
 #include "common/error.h"
 #include "common/filter/filter_backend.h"
 #include "tools/program/parse_number.h"
@@ -41,14 +42,23 @@ CLI::Option* add_log_options(CLI::App& app, ConfigOptions& o, std::string& log, 
       ->allow_extra_args(false)
       ->group("");
   add_text_option(app, "--odom-topic", o.odometry_topic, "TOPIC", "Odometry of a bag")->group("");
-  add_text_option(app, "--odom-frame", o.odometry_frame, "FRAME", "Its transforms are the odometry (odom)")->group("");
-  add_text_option(app, "--base-frame", o.base_frame, "FRAME", "The robot's (the odometry's child)")->group("");
+  add_text_option(app, "--odom-frame", o.odometry_frame, "FRAME", "Its transforms are the odometry (odom)")
+      ->group("");
+  add_text_option(app, "--base-frame", o.base_frame, "FRAME", "The robot's (the odometry's child)")
+      ->group("");
   return option;
 }
 
+void print_notes(const std::vector<std::string>& notes) {
+  for (const std::string& note : notes) std::fprintf(stderr, "parloc: note: %s\n", note.c_str());
+}
+
 Config effective_config(const ConfigOptions& o, const std::function<void(Config&)>& change,
-                        const Config& base) {
-  Config config = o.config.empty() ? base : read_config(o.config, base);
+                        const Config& base, std::optional<Pose>* start) {
+  const ConfigFile file = o.config.empty() ? ConfigFile{base, {}, {}, {}} : read_config_file(o.config, base);
+  print_notes(nav2_summary(file, o.config));
+  if (start != nullptr) *start = file.nav2_start;
+  Config config = file.config;
   set_whole_number(config, "seed", "--seed", o.seed);
   set_whole_number(config, "device", "--device", o.device);
   set_whole_number(config, "threads", "--threads", o.threads);
@@ -79,8 +89,14 @@ Command add_config_command(CLI::App& program) {
   const auto path = std::make_shared<std::string>();
   add_text_option(*app, "--config", *path, "C.yaml", "Configuration to read over the defaults");
   return {app, [path](const std::string&) {
-            const Config config = path->empty() ? Config{} : read_config(*path);
-            std::fputs(config_to_yaml(config).c_str(), stdout);
+            const ConfigFile file = path->empty() ? ConfigFile{} : read_config_file(*path);
+            if (!file.nav2_node.empty())
+              std::printf(
+                  "# Translated from the parameters of %s; what they do not say is parloc's default. "
+                  "docs/nav2.md\n",
+                  printable(file.nav2_node).c_str());
+            for (const std::string& line : nav2_listing(file)) std::printf("# %s\n", line.c_str());
+            std::fputs(config_to_yaml(file.config).c_str(), stdout);
             return 0;
           }};
 }

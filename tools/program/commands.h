@@ -12,6 +12,7 @@
 
 #include "common/config/config.h"
 #include "common/filter/filter_settings.h"
+#include "common/math/pose.h"
 #include "common/settings/setting.h"
 
 namespace parloc::tools {
@@ -87,10 +88,13 @@ CLI::Option* add_choice_option(CLI::App& app, const std::string& name, std::opti
   return app.add_option_function<std::string>(name, take, help)->type_name(value_name)->check(one_of(words));
 }
 
+/// Each a line on standard error: what an input says that is not used, or not as it stands.
+void print_notes(const std::vector<std::string>& notes);
+
 /// The options of several commands that set something in the configuration; empty: not given.
 struct ConfigOptions {
   std::string config, device, threads, seed, beams;
-  std::vector<std::string> scan_topics;                      // of a bag
+  std::vector<std::string> scan_topics;                    // of a bag
   std::string odometry_topic, odometry_frame, base_frame;  // of a bag
   std::optional<BackendChoice> backend;
 };
@@ -104,8 +108,9 @@ CLI::Option* add_log_options(CLI::App& app, ConfigOptions& options, std::string&
 bool set_whole_number(Config& config, const std::string& name, const char* option, const std::string& text);
 
 /// The configuration file over `base`, the options on top, and then what else the command sets in it by
-/// `change`. Throws Error{config} for the file, Error{usage} for what is on top.
+/// `change`. `start` becomes what a file of nav2 says of it. Throws Error{config} for the file, Error{usage}
+/// for what is on top. Prints two or three lines about a file of nav2 on standard error.
 Config effective_config(const ConfigOptions& options, const std::function<void(Config&)>& change = {},
-                        const Config& base = {});
+                        const Config& base = {}, std::optional<Pose>* start = nullptr);
 
 }  // namespace parloc::tools

@@ -45,7 +45,8 @@ void run_items(const ItemsRequest& request,
   if (error) std::rethrow_exception(error);
 }
 
-std::vector<LogRecord> read_whole_log(const std::string& path, const LogChoice& choice, std::size_t& broken_lines) {
+std::vector<LogRecord> read_whole_log(const std::string& path, const LogChoice& choice,
+                                      std::size_t& broken_lines) {
   std::vector<LogRecord> records;
   const auto reader = open_log(path, choice);
   for (LogRecord record; reader->next(record);) records.push_back(std::move(record));

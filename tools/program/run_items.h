@@ -41,6 +41,7 @@ inline bool is_scan(const LogRecord& r) {
 
 /// All of a log, and how many broken lines were skipped. Throws Error{input} as the readers, and without a
 /// scan.
-std::vector<LogRecord> read_whole_log(const std::string& path, const LogChoice& choice, std::size_t& broken_lines);
+std::vector<LogRecord> read_whole_log(const std::string& path, const LogChoice& choice,
+                                      std::size_t& broken_lines);
 
 }  // namespace parloc::tools

@@ -28,6 +28,9 @@ struct Put {
   void operator()(const ChoiceSetting& choice) const {
     if (const char* name = choice.name()) json[key] = name;
   }
+  void operator()(const TextSetting& text) const {
+    if (!text.text->empty()) json[key] = *text.text;
+  }
   void operator()(const IntervalsSetting& list) const {
     for (const auto& [from, to] : list.get()) json[key].push_back({from, to});
   }

@@ -127,18 +127,26 @@ void write_results(OutputFolder& out, const RunResults& results, const GridMap& 
   out.publish();
 }
 
-int run(const RunOptions& o, const std::string& typed) {
+int run(const RunOptions& given, const std::string& typed) {
   // Everything that can be wrong is looked at before the long work.
+  RunOptions o = given;
+  std::optional<Pose> nav2_start;
   LocalizeRequest request;
-  request.config = effective_config(o, [&](Config& config) {
-    if (set_whole_number(config, "particles", "--particles", o.particles))
-      config.min_particles = config.max_particles = 0;  // a fixed number, whatever the file says
-  });
+  request.config = effective_config(
+      o,
+      [&](Config& config) {
+        if (set_whole_number(config, "particles", "--particles", o.particles))
+          config.min_particles = config.max_particles = 0;  // a fixed number, whatever the file says
+      },
+      {}, &nav2_start);
+  if (o.init.empty() && nav2_start)
+    o.init = {fmt::format("{},{},{}", nav2_start->x_m, nav2_start->y_m, nav2_start->theta_rad)};
   request.log_name = o.log;
   request.strict = o.strict;
   request.odometry_only = o.odometry_only;
   request.start = start_of(o, request.config);
   const GridMap map = read_map(o.map);
+  print_notes(map.notes);
   const std::unique_ptr<LogReader> log = open_log(o.log, log_choice(request.config));
   if (!o.truth.empty()) request.truth = read_tum(o.truth);
   const std::vector<Relation> relations =

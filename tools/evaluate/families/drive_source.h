@@ -11,6 +11,7 @@
 #include "common/eval/families/drive_score.h"
 #include "common/eval/families/family.h"
 #include "common/eval/families/family_trial.h"
+#include "common/io/log_choice.h"
 
 namespace parloc::tools::families {
 

@@ -42,7 +42,8 @@ DriveSource source_of(const FamiliesOptions& o) {
   if (o.map.empty() || o.truth.empty()) throw usage("--log: expected --map M.yaml and --truth T.tum as well");
   const double duration_s =
       o.duration.empty() ? 0.0 : parse_number("--duration", o.duration, 0.5, kLongest_s);
-  return families::recorded_drives({o.log, o.truth, o.map, o.corrupt, duration_s, log_choice(o.config)}, o.first_seed, o.trials);
+  return families::recorded_drives({o.log, o.truth, o.map, o.corrupt, duration_s, log_choice(o.config)},
+                                   o.first_seed, o.trials);
 }
 
 void run_all(FamiliesReport& report, const DriveSource& source, bool quiet) {
