@@ -42,6 +42,15 @@ std::vector<std::size_t> of_types(const std::vector<BagTopic>& topics,
   return found;
 }
 
+/// Those that have messages, if any of them has.
+std::vector<std::size_t> with_messages(const BagReader& bag, const std::vector<std::size_t>& which) {
+  if (which.size() < 2) return which;
+  std::vector<std::size_t> filled;
+  for (const std::size_t k : which)
+    if (!bag.is_empty(k)) filled.push_back(k);
+  return filled.empty() ? which : filled;
+}
+
 std::string list_text(const std::vector<BagTopic>& topics, const std::vector<std::size_t>& which) {
   constexpr std::size_t most = 12;
   std::string text;
@@ -80,13 +89,14 @@ std::size_t named(const std::vector<BagTopic>& topics, const std::string& name, 
                                 all_text(topics)));
 }
 
-std::vector<std::size_t> choose_scans(const std::vector<BagTopic>& topics, const LogChoice& choice,
+std::vector<std::size_t> choose_scans(const BagReader& bag, const LogChoice& choice,
                                       const std::string& bag_name) {
+  const std::vector<BagTopic>& topics = bag.topics();
   std::vector<std::size_t> chosen;
   for (const std::string& name : names_in(choice.scan_topic))
     chosen.push_back(named(topics, name, "--scan-topic", {kLaserScan, kMultiEcho, kCloud}, bag_name));
   if (!chosen.empty()) return chosen;
-  const std::vector<std::size_t> scans = of_types(topics, {kLaserScan, kMultiEcho});
+  const std::vector<std::size_t> scans = with_messages(bag, of_types(topics, {kLaserScan, kMultiEcho}));
   if (scans.size() == 1) return scans;
   if (scans.size() > 1)
     throw input_error(
@@ -106,12 +116,14 @@ std::vector<std::size_t> choose_scans(const std::vector<BagTopic>& topics, const
 }
 
 /// None: transforms are the odometry.
-std::optional<std::size_t> choose_odometry(const std::vector<BagTopic>& topics, const LogChoice& choice,
+std::optional<std::size_t> choose_odometry(const BagReader& bag, const LogChoice& choice,
                                            const std::string& bag_name) {
+  const std::vector<BagTopic>& topics = bag.topics();
   if (!choice.odometry_topic.empty())
     return named(topics, choice.odometry_topic, "--odom-topic", {kOdometry}, bag_name);
-  const std::vector<std::size_t> found = of_types(topics, {kOdometry});
-  if (found.empty() || !choice.odometry_frame.empty()) return std::nullopt;
+  const std::vector<std::size_t> found = with_messages(bag, of_types(topics, {kOdometry}));
+  if (found.empty() || (found.size() == 1 && bag.is_empty(found.front())) || !choice.odometry_frame.empty())
+    return std::nullopt;
   if (found.size() > 1)
     throw input_error(
         bag_name, 0,
@@ -126,14 +138,15 @@ std::string sensor_name(const std::string& topic) {
   return topic.empty() || topic.front() != '/' ? topic : topic.substr(1);
 }
 
-std::vector<TopicRole> choose_topics(const std::vector<BagTopic>& topics, const LogChoice& choice,
+std::vector<TopicRole> choose_topics(const BagReader& bag, const LogChoice& choice,
                                      const std::string& bag_name) {
+  const std::vector<BagTopic>& topics = bag.topics();
   std::vector<TopicRole> roles(topics.size(), TopicRole::none);
-  for (const std::size_t k : choose_scans(topics, choice, bag_name))
+  for (const std::size_t k : choose_scans(bag, choice, bag_name))
     roles[k] = topics[k].type == kLaserScan   ? TopicRole::scan
                : topics[k].type == kMultiEcho ? TopicRole::multi_echo_scan
                                               : TopicRole::cloud;
-  if (const auto k = choose_odometry(topics, choice, bag_name)) roles[*k] = TopicRole::odometry;
+  if (const auto k = choose_odometry(bag, choice, bag_name)) roles[*k] = TopicRole::odometry;
   bool transforms = false;
   for (std::size_t k = 0; k < topics.size(); ++k) {
     if (topics[k].type != "tf2_msgs/TFMessage" && topics[k].type != "tf/tfMessage") continue;

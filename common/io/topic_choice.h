@@ -15,9 +15,9 @@ namespace parloc {
 enum class TopicRole { none, scan, multi_echo_scan, cloud, odometry, transforms, fixed_transforms };
 
 /// The role of each topic. Throws Error{input} naming the bag, with the choice there is: for no scans, for
-/// several where one must be chosen, for a topic that is not there (the nearest is named) or has another
-/// type.
-std::vector<TopicRole> choose_topics(const std::vector<BagTopic>& topics, const LogChoice& choice,
+/// several with messages where one must be chosen, for a topic that is not there (the nearest is named) or
+/// has another type.
+std::vector<TopicRole> choose_topics(const BagReader& bag, const LogChoice& choice,
                                      const std::string& bag_name);
 
 /// "scan" for "/scan", "front/scan" for "/front/scan": a LiDAR by its topic.

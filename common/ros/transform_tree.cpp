@@ -36,8 +36,9 @@ void TransformTree::contradict(const std::string& name, Frame& frame, const Rigi
                                const RigidTransform& said) {
   if (frame.contradicted || !differ(fixed, said)) return;
   frame.contradicted = true;
-  contradictions_.push_back(fmt::format("{} sits in {} at {} and at {}: the second is used", printable(name),
-                                        printable(frame.parent), place_text(fixed), place_text(said)));
+  contradictions_.push_back(
+      {name, fmt::format("{} sits in {} at {} and at {}: the second is used", printable(name),
+                         printable(frame.parent), place_text(fixed), place_text(said))});
 }
 
 void TransformTree::add(const TransformMessage& transform, bool is_static) {
