@@ -101,6 +101,24 @@ class Messages:
             stamped.append(self.new("geometry_msgs/TransformStamped", header=header, child_frame_id=child, transform=transform))
         return Message(topic, "tf2_msgs/msg/TFMessage", stamp_ns, self.new("tf2_msgs/TFMessage", transforms=stamped))
 
+    def cloud(self, stamp_ns, points, topic="/points", frame="laser"):
+        fields = [
+            self.new("sensor_msgs/PointField", name=name, offset=4 * k, datatype=7, count=1) for k, name in enumerate("xyz")
+        ]
+        value = self.new(
+            "sensor_msgs/PointCloud2",
+            header=self.header(stamp_ns, frame),
+            height=1,
+            width=len(points),
+            fields=fields,
+            is_bigendian=False,
+            point_step=12,
+            row_step=12 * len(points),
+            data=np.frombuffer(points.tobytes(), dtype=np.uint8),
+            is_dense=True,
+        )
+        return Message(topic, "sensor_msgs/msg/PointCloud2", stamp_ns, value)
+
     def planar_transform(self, stamp_ns, parent, child, pose, topic="/tf"):
         z, w = yaw_quaternion(pose[2])
         return self.transforms(stamp_ns, [(parent, child, (pose[0], pose[1], 0.0), (0.0, 0.0, z, w))], topic)

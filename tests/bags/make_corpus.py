@@ -74,24 +74,7 @@ def example_messages(make, drive):
     cells = np.array([-1, 0, 100, 0, 0, 50], dtype=np.int8)
     grid = make.new("nav_msgs/OccupancyGrid", header=header, info=facts, data=cells)
     yield Message("/map", "nav_msgs/msg/OccupancyGrid", scan.stamp_ns, grid)
-    yield cloud_message(make, scan.stamp_ns, np.array([[1, 0, 0.5], [0, 2, 0.5], [1, 1, 3]], dtype=np.float32))
-
-
-def cloud_message(make, stamp_ns, points, topic="/points", frame="laser"):
-    fields = [make.new("sensor_msgs/PointField", name=name, offset=4 * k, datatype=7, count=1) for k, name in enumerate("xyz")]
-    value = make.new(
-        "sensor_msgs/PointCloud2",
-        header=make.header(stamp_ns, frame),
-        height=1,
-        width=len(points),
-        fields=fields,
-        is_bigendian=False,
-        point_step=12,
-        row_step=12 * len(points),
-        data=np.frombuffer(points.tobytes(), dtype=np.uint8),
-        is_dense=True,
-    )
-    return Message(topic, "sensor_msgs/msg/PointCloud2", stamp_ns, value)
+    yield make.cloud(scan.stamp_ns, np.array([[1, 0, 0.5], [0, 2, 0.5], [1, 1, 3]], dtype=np.float32))
 
 
 def write_messages(folder, drive):
