@@ -115,6 +115,11 @@ bool TransformTree::knows(const std::string& frame) const {
                      [&](const auto& entry) { return entry.second.parent == frame; });
 }
 
+bool TransformTree::moves(const std::string& frame) const {
+  const auto at = frames_.find(frame);
+  return at != frames_.end() && !at->second.moving.empty();
+}
+
 std::string TransformTree::parent_of(const std::string& frame) const {
   const auto at = frames_.find(frame);
   return at == frames_.end() ? "" : at->second.parent;

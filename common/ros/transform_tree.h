@@ -25,6 +25,8 @@ class TransformTree {
   std::optional<RigidTransform> find(const std::string& target, const std::string& source,
                                      double stamp_s) const;
   bool knows(const std::string& frame) const;
+  /// Whether /tf says where it is in its parent.
+  bool moves(const std::string& frame) const;
   /// Empty if it has none.
   std::string parent_of(const std::string& frame) const;
   /// The frame on the chain from `frame` upwards whose parent is `ancestor`; empty if there is none.

@@ -119,6 +119,26 @@ class Messages:
         )
         return Message(topic, "sensor_msgs/msg/PointCloud2", stamp_ns, value)
 
+    def occupancy_grid(self, stamp_ns, image, resolution_m, origin, topic="/map"):
+        """`image`: rows from the top, as a PGM has them, of -1 to 100."""
+        header = self.header(stamp_ns, "map")
+        height, width = image.shape
+        facts = self.new(
+            "nav_msgs/MapMetaData",
+            map_load_time=header.stamp,
+            resolution=resolution_m,
+            width=width,
+            height=height,
+            origin=self.pose(*origin),
+        )
+        cells = image[::-1].astype(np.int8).reshape(-1)
+        value = self.new("nav_msgs/OccupancyGrid", header=header, info=facts, data=cells)
+        return Message(topic, "nav_msgs/msg/OccupancyGrid", stamp_ns, value)
+
+    def pose_stamped(self, stamp_ns, pose, topic="/truth"):
+        value = self.new("geometry_msgs/PoseStamped", header=self.header(stamp_ns, "map"), pose=self.pose(*pose))
+        return Message(topic, "geometry_msgs/msg/PoseStamped", stamp_ns, value)
+
     def planar_transform(self, stamp_ns, parent, child, pose, topic="/tf"):
         z, w = yaw_quaternion(pose[2])
         return self.transforms(stamp_ns, [(parent, child, (pose[0], pose[1], 0.0), (0.0, 0.0, z, w))], topic)
@@ -128,7 +148,7 @@ class Messages:
 
     def of_drive(self, drive):
         """As a robot sends it: the mount once, odometry, then the scan of the same time."""
-        messages = [self.mount(drive.scans[0].stamp_ns)]
+        messages = [self.mount(drive.scans[0].stamp_ns, (drive.ahead_m, 0.0, 0.0))]
         for scan in drive.scans:
             messages += [self.odometry(scan.stamp_ns, scan.odometry), self.scan(drive, scan)]
         return messages

@@ -2,6 +2,7 @@
 """`parloc run` on bags that rosbags and mcap wrote: the same bytes as from the CARMEN log with the same numbers, whatever the
 container; what topics and frames mean; and one line for what cannot be. Usage: bags_test.py PROGRAM"""
 
+import json
 import math
 import os
 import pathlib
@@ -22,7 +23,7 @@ try:
         write_ros1,
         write_ros2,
     )
-    from drive import Drive, Scan, carmen_text, read_drive
+    from drive import Drive, Scan, carmen_text, read_drive, stamp_ns_of
     from mcap.writer import IndexType
 except ImportError as missing:
     print(f"skipped: {missing} (pip install rosbags mcap lz4)")
@@ -50,6 +51,7 @@ class WithDrive(unittest.TestCase):
     def setUpClass(cls):
         cls.drive = read_drive(ROOT / "maps/logs/malaga_corridor.log.gz")
         cls.work = pathlib.Path(tempfile.mkdtemp(prefix="parloc_bags_"))
+        cls.ahead = (cls.drive.ahead_m, 0.0, 0.0)
         cls.log = cls.work / "same.log"
         cls.log.write_text(carmen_text(cls.drive))
         cls.make = {1: Messages(1), 2: Messages(2)}
@@ -192,7 +194,7 @@ class Meaning(WithDrive):
     def test_odometry_from_transforms(self):
         make = self.make[2]
         start = self.drive.scans[0].stamp_ns
-        first = [make.planar_transform(start, "map", "odom", (5.0, 6.0, 1.0)), make.mount(start)]
+        first = [make.planar_transform(start, "map", "odom", (5.0, 6.0, 1.0)), make.mount(start, self.ahead)]
         of_scan = lambda scan: [self.planar(scan), make.scan(self.drive, scan)]  # noqa: E731
         self.expect_same_bytes(self.bag(self.of_scans(of_scan, first)))
         renamed = lambda scan: [self.planar(scan, "robot/odom"), make.scan(self.drive, scan)]  # noqa: E731
@@ -203,7 +205,7 @@ class Meaning(WithDrive):
     def test_first_echo(self):
         make = self.make[2]
         of_scan = lambda scan: [make.odometry(scan.stamp_ns, scan.odometry), make.multi_echo_scan(self.drive, scan)]  # noqa: E731
-        self.expect_same_bytes(self.bag(self.of_scans(of_scan, [make.mount(self.drive.scans[0].stamp_ns)])))
+        self.expect_same_bytes(self.bag(self.of_scans(of_scan, [make.mount(self.drive.scans[0].stamp_ns, self.ahead)])))
 
     def test_a_lidar_in_the_base_frame_needs_no_transform(self):
         make = self.make[2]
@@ -211,7 +213,8 @@ class Meaning(WithDrive):
             make.odometry(scan.stamp_ns, scan.odometry),
             make.scan(self.drive, scan, frame="base_link"),
         ]
-        self.expect_same_bytes(self.bag(self.of_scans(of_scan)))
+        found = self.localize(self.bag(self.of_scans(of_scan)))
+        self.assertEqual(len(found.places()), len(self.drive.scans), found.error)
 
     def test_a_lidar_without_a_place_gets_one_by_a_setting(self):
         make = self.make[2]
@@ -219,7 +222,7 @@ class Meaning(WithDrive):
         bag = self.bag(self.of_scans(of_scan))
         self.expect_refused(bag, "no transform from base_link to laser", "lidars: scan: {x: 0, y: 0, yaw: 0}")
         config = self.work / "mount.yaml"
-        config.write_text("lidars: {scan: {x: 0, y: 0, yaw: 0}}\n")
+        config.write_text(f"lidars: {{scan: {{x: {self.drive.ahead_m}, y: 0, yaw: 0}}}}\n")
         self.expect_same_bytes(bag, "--config", config)
 
     def test_upside_down(self):
@@ -230,14 +233,15 @@ class Meaning(WithDrive):
             -(self.drive.angle_min_rad + self.drive.angle_step_rad * (n - 1)),
             self.drive.angle_step_rad,
             self.drive.range_max_m,
+            self.drive.ahead_m,
             [Scan(s.stamp_ns, s.ranges_m[::-1].copy(), s.odometry) for s in self.drive.scans],
         )
-        messages = [make.mount(self.drive.scans[0].stamp_ns, rotation=(1.0, 0.0, 0.0, 0.0))]
+        messages = [make.mount(self.drive.scans[0].stamp_ns, rotation=(1.0, 0.0, 0.0, 0.0), move=self.ahead)]
         for scan in mirrored.scans:
             messages += [make.odometry(scan.stamp_ns, scan.odometry), make.scan(mirrored, scan)]
         # Of 361 beams others are used: centimetres. Taken for upright, the walls would be on the other side.
         self.expect_near(self.bag(messages), 0.06)
-        upright = self.localize(self.bag([self.make[2].mount(self.drive.scans[0].stamp_ns), *messages[1:]]))
+        upright = self.localize(self.bag([self.make[2].mount(self.drive.scans[0].stamp_ns, self.ahead), *messages[1:]]))
         apart = np.linalg.norm((upright.places() - self.expected.places())[:, 1:3], axis=1)
         self.assertGreater(apart.max(), 0.3)
 
@@ -251,7 +255,7 @@ class Meaning(WithDrive):
         """Readings lie between the scans: of the middle of two straight steps, so that the scans' own come out again."""
         make = self.make[2]
         scans = self.drive.scans
-        messages = [make.mount(scans[0].stamp_ns), make.odometry(scans[0].stamp_ns, scans[0].odometry)]
+        messages = [make.mount(scans[0].stamp_ns, self.ahead), make.odometry(scans[0].stamp_ns, scans[0].odometry)]
         for before, scan in zip(scans, scans[1:], strict=False):
             between = [b + (s - b) * 0.5 for b, s in zip(before.odometry, scan.odometry, strict=True)]
             middle_ns = (before.stamp_ns + scan.stamp_ns) // 2
@@ -293,7 +297,7 @@ class Meaning(WithDrive):
         make = self.make[2]
         n = len(self.drive.scans[0].ranges_m)
         angles = self.drive.angle_min_rad + self.drive.angle_step_rad * np.arange(n)
-        messages = [make.mount(self.drive.scans[0].stamp_ns, (0.0, 0.0, 0.5))]
+        messages = [make.mount(self.drive.scans[0].stamp_ns, (self.drive.ahead_m, 0.0, 0.5))]
         for scan in self.drive.scans:
             points = np.stack([np.cos(angles) * scan.ranges_m, np.sin(angles) * scan.ranges_m, np.zeros(n)], 1)
             floor = points * [0.3, 0.3, 0.0] - [0.0, 0.0, 0.5]
@@ -302,6 +306,99 @@ class Meaning(WithDrive):
         bag = self.bag(messages)
         self.expect_refused(bag, "found only clouds of points: /points; --scan-topic makes scans of one")
         self.expect_near(bag, 0.3, "--scan-topic", "/points")
+
+
+class MapAndTruth(WithDrive):
+    """A bag may hold the map and the true poses, too."""
+
+    def map_message(self, topic="/map"):
+        image, facts = (ROOT / "maps/malaga_corridor.pgm").read_bytes(), {}
+        for line in MAP.read_text().splitlines():
+            key, _, value = line.partition(":")
+            facts[key] = value.strip()
+        head, size, _, pixels = image.split(b"\n", 3)
+        self.assertEqual(head, b"P5")
+        width, height = (int(word) for word in size.split())
+        grey = np.frombuffer(pixels, dtype=np.uint8).reshape(height, width)
+        cells = np.where(grey == 0, 100, np.where(grey >= 250, 0, -1))
+        origin = [float(word) for word in facts["origin"].strip("[]").split(",")]
+        stamp_ns = self.drive.scans[0].stamp_ns
+        return self.make[2].occupancy_grid(stamp_ns, cells, float(facts["resolution"]), origin, topic)
+
+    def truth(self):
+        rows = [line.split() for line in (ROOT / "maps/logs/malaga_corridor.tum").read_text().splitlines() if line[0] != "#"]
+        for row in rows:
+            values = [float(word) for word in row]
+            yield stamp_ns_of(row[0]), (values[1], values[2], 2 * math.atan2(values[6], values[7]))
+
+    def localize_in(self, bag, *options):
+        out = pathlib.Path(tempfile.mkdtemp(dir=self.work))
+        command = [PROGRAM, "run", "--log", bag, "--out", out, "--threads", "1", "--json", *options]
+        return subprocess.run(command, capture_output=True, text=True, timeout=120), out
+
+    def test_a_bag_with_its_map(self):
+        bag = self.bag([self.map_message(), *self.messages()])
+        for options in ((), ("--map", bag), ("--map", MAP)):
+            result, out = self.localize_in(bag, "--init", START, *options)
+            self.assertEqual(result.returncode, 0, result.stderr)
+            self.assertEqual((out / "trajectory.tum").read_bytes(), self.expected.trajectory)
+
+    def test_several_maps_are_a_choice(self):
+        bag = self.bag([self.map_message("/costmap"), self.map_message(), *self.messages()])
+        result, _ = self.localize_in(bag, "--init", START)
+        self.assertEqual(result.returncode, 3)
+        self.assertIn("2 topics hold a map: /costmap, /map; choose with --map-topic", result.stderr)
+        result, out = self.localize_in(bag, "--init", START, "--map-topic", "map")
+        self.assertEqual((out / "trajectory.tum").read_bytes(), self.expected.trajectory, result.stderr)
+
+    def test_no_map(self):
+        result, _ = self.localize_in(self.bag(self.messages()), "--init", START)
+        self.assertEqual(result.returncode, 3)
+        self.assertIn("expected a map: a topic of nav_msgs/OccupancyGrid, found /tf_static", result.stderr)
+        result, _ = self.localize_in(self.log, "--init", START)
+        self.assertEqual(result.returncode, 2)
+        self.assertIn("expected --map M.yaml", result.stderr)
+
+    def expect_truth(self, bag, *options):
+        result, _ = self.localize_in(bag, "--map", MAP, *options)
+        self.assertEqual(result.returncode, 0, result.stderr)
+        rmse_m = json.loads(result.stdout)["position_rmse_m"]
+        self.assertLess(rmse_m, 0.2)
+        return rmse_m
+
+    def test_true_poses_of_a_topic(self):
+        poses = [self.make[2].pose_stamped(stamp_ns, pose) for stamp_ns, pose in self.truth()]
+        bag = self.bag(self.messages() + poses)
+        of_file = self.expect_truth(self.log, "--truth", ROOT / "maps/logs/malaga_corridor.tum")
+        of_topic = self.expect_truth(bag, "--truth-topic", "/truth")
+        self.assertAlmostEqual(of_file, of_topic, delta=1e-6)
+        self.assertEqual(of_topic, self.expect_truth(bag, "--truth", bag))
+        result, _ = self.localize_in(bag, "--map", MAP, "--truth-topic", "/trutj")
+        self.assertIn("did you mean /truth?", result.stderr)
+
+    def test_true_poses_of_a_frame(self):
+        """/tf says where the odometry's frame is in the world, a little later than the odometry comes."""
+        make, messages = self.make[2], self.messages()
+        stamps, poses = zip(*self.truth(), strict=True)
+        for scan in self.drive.scans:
+            messages.append(make.planar_transform(scan.stamp_ns, "odom", "base_link", scan.odometry))
+            nearest = min(range(len(stamps)), key=lambda k: abs(stamps[k] - scan.stamp_ns))
+            messages.append(make.planar_transform(scan.stamp_ns, "world", "odom", over(poses[nearest], scan.odometry)))
+        bag = self.bag(sorted(messages, key=lambda m: m.stamp_ns))
+        self.expect_truth(bag, "--truth-frame", "world")
+        result, _ = self.localize_in(bag, "--map", MAP, "--truth-frame", "mars")
+        self.assertEqual(result.returncode, 3)
+        self.assertIn(
+            "no transform from it to the robot (base_link) in /tf (frames: base_link, laser, odom, world)", result.stderr
+        )
+
+
+def over(true_pose, odometry):
+    """Where the odometry's frame is, so that the base is at the true pose."""
+    turn = true_pose[2] - odometry[2]
+    x = true_pose[0] - (math.cos(turn) * odometry[0] - math.sin(turn) * odometry[1])
+    y = true_pose[1] - (math.sin(turn) * odometry[0] + math.cos(turn) * odometry[1])
+    return x, y, turn
 
 
 class Refusals(WithDrive):

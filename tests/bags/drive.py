@@ -19,6 +19,7 @@ class Drive:
     angle_min_rad: float  # values of float32, as messages hold them
     angle_step_rad: float
     range_max_m: float
+    ahead_m: float  # the LiDAR, of the base
     scans: list
 
 
@@ -52,8 +53,9 @@ def read_drive(path):
             ranges = np.array(words[9 : 9 + n], dtype=np.float32)
             tail = words[9 + n + 1 + int(words[9 + n]) :]
             x, y, yaw = (float(w) for w in tail[3:6])
+            ahead_m = round(math.hypot(float(tail[0]) - x, float(tail[1]) - y), 4)
             scans.append(Scan(stamp_ns_of(tail[11]), ranges, (x, y, as_messages_hold_it(yaw))))
-    return Drive(float(np.float32(start)), float(np.float32(step)), float(np.float32(most)), scans)
+    return Drive(float(np.float32(start)), float(np.float32(step)), float(np.float32(most)), ahead_m, scans)
 
 
 def carmen_text(drive):
@@ -61,9 +63,11 @@ def carmen_text(drive):
     lines = []
     for scan in drive.scans:
         n = len(scan.ranges_m)
-        pose = " ".join(repr(v) for v in scan.odometry)
+        x, y, yaw = scan.odometry
+        pose = f"{x!r} {y!r} {yaw!r}"
+        laser_pose = f"{x + drive.ahead_m * math.cos(yaw)!r} {y + drive.ahead_m * math.sin(yaw)!r} {yaw!r}"
         ranges = " ".join(repr(float(r)) for r in scan.ranges_m)
         head = f"{drive.angle_min_rad!r} {drive.angle_step_rad * (n - 1)!r} {drive.angle_step_rad!r} {drive.range_max_m!r}"
         stamp = stamp_text(scan.stamp_ns)
-        lines.append(f"ROBOTLASER1 0 {head} 0 0 {n} {ranges} 0 {pose} {pose} 0 0 0 0 0 {stamp} robot {stamp}")
+        lines.append(f"ROBOTLASER1 0 {head} 0 0 {n} {ranges} 0 {laser_pose} {pose} 0 0 0 0 0 {stamp} robot {stamp}")
     return "\n".join(lines) + "\n"

@@ -23,7 +23,7 @@ def small_drive():
         ranges[7] = math.inf
         odometry = (0.5 * k, -0.25 * k, as_messages_hold_it(0.125 * k))
         scans.append(Scan(1_700_000_000_000_000_000 + 250_000_000 * k, ranges, odometry))
-    return Drive(-1.0, 0.25, 8.0, scans)
+    return Drive(-1.0, 0.25, 8.0, 0.0, scans)
 
 
 def small_pages(path):
