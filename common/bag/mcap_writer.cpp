@@ -102,6 +102,7 @@ struct McapWriter::State {
   }
 
   void give(std::string_view bytes) {
+    if (!std::exchange(begun, true)) begin();
     sink(bytes);
     given += bytes.size();
   }
@@ -113,6 +114,7 @@ struct McapWriter::State {
   Sink sink;
   double longest_chunk_s;
   std::unique_ptr<ZSTD_CCtx, std::size_t (*)(ZSTD_CCtx*)> zstd;
+  bool begun = false;
   std::uint64_t given = 0;  ///< Bytes.
   std::map<std::string, std::uint16_t> schema_of_type;
   std::string schemas, channels;  ///< Their records, for the summary.
@@ -172,6 +174,7 @@ void McapWriter::State::add_message(std::uint16_t id, std::uint64_t stamp_ns, st
 
 void McapWriter::State::end_chunk() {
   if (chunk_messages == 0) return;
+  give({});  // what stands before
   packed.resize(ZSTD_compressBound(chunk.size()));
   const std::size_t packed_bytes = ZSTD_compressCCtx(zstd.get(), packed.data(), packed.size(), chunk.data(),
                                                      chunk.size(), kCompressionLevel);
@@ -236,9 +239,7 @@ std::string McapWriter::State::statistics() const {
 }
 
 McapWriter::McapWriter(Sink sink, double longest_chunk_s)
-    : state_(std::make_unique<State>(std::move(sink), longest_chunk_s)) {
-  state_->begin();
-}
+    : state_(std::make_unique<State>(std::move(sink), longest_chunk_s)) {}
 
 McapWriter::~McapWriter() = default;
 

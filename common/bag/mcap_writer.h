@@ -26,8 +26,8 @@ class McapWriter {
   /// Takes bytes that follow those before; throws Error{output}.
   using Sink = std::function<void(std::string_view bytes)>;
 
-  /// A chunk ends at the first message that comes `longest_chunk_s` of wall time after its first. Throws
-  /// Error{output} in a build without zstd.
+  /// Gives nothing out yet. A chunk ends at the first message that comes `longest_chunk_s` of wall time after
+  /// its first. Throws Error{output} in a build without zstd.
   explicit McapWriter(Sink sink, double longest_chunk_s = 1e9);
   /// Without finish(), what is not given out is lost.
   ~McapWriter();
