@@ -68,8 +68,8 @@ int run_program(int argc, char** argv) {
   program.footer("parloc COMMAND --help explains a command. Exit codes: docs/exit_codes.md");
   std::vector<Command> commands;
   for (const auto add : {add_run_command, add_simulate_command, add_learn_command, add_locate_command,
-                         add_map_command, add_config_command, add_evaluate_command, add_compare_command,
-                         add_slam_command, add_bench_command, add_devices_command})
+                         add_map_command, add_log_command, add_config_command, add_evaluate_command,
+                         add_compare_command, add_slam_command, add_bench_command, add_devices_command})
     commands.push_back(add(program));
   try {
     program.parse(argc, argv);

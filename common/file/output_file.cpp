@@ -1,5 +1,6 @@
 #include "common/file/output_file.h"
 
+#include <fcntl.h>
 #include <unistd.h>
 
 #include <cerrno>
@@ -66,6 +67,30 @@ void FileReplacement::commit() {
   const int error_number = errno;
   std::remove(temporary_.c_str());
   fail(path_, error_number);
+}
+
+GrowingFile::GrowingFile(const std::string& path)
+    : path_(path),
+      is_new_(access(path.c_str(), F_OK) != 0),
+      descriptor_(open(path.c_str(), O_WRONLY | O_CREAT | O_CLOEXEC, 0666)) {
+  if (descriptor_ < 0) fail(path_, errno);
+}
+
+GrowingFile::~GrowingFile() {
+  close(descriptor_);
+  if (is_new_ && size_ == 0) std::remove(path_.c_str());
+}
+
+void GrowingFile::append(std::string_view bytes) {
+  // A device or a pipe has no length to take away.
+  if (size_ == 0 && ftruncate(descriptor_, 0) != 0 && errno != EINVAL) fail(path_, errno);
+  size_ += bytes.size();
+  while (!bytes.empty()) {
+    const ssize_t written = ::write(descriptor_, bytes.data(), bytes.size());
+    if (written < 0 && errno == EINTR) continue;
+    if (written < 0) fail(path_, errno);
+    bytes.remove_prefix(static_cast<std::size_t>(written));
+  }
 }
 
 void expect_writable(const std::string& path) {

@@ -29,6 +29,25 @@ class FileReplacement {
   std::FILE* file_;
 };
 
+/// A file that is there while it grows, for who looks at it meanwhile, and stays whatever becomes of this
+/// run.
+class GrowingFile {
+ public:
+  /// Throws Error{output}, as all do. What was at `path` stays until the first write.
+  explicit GrowingFile(const std::string& path);
+  ~GrowingFile();  ///< Leaves nothing new where nothing was written.
+  GrowingFile(const GrowingFile&) = delete;
+  GrowingFile& operator=(const GrowingFile&) = delete;
+  void append(std::string_view bytes);
+  std::size_t size() const { return size_; }
+
+ private:
+  std::string path_;
+  bool is_new_;
+  int descriptor_;
+  std::size_t size_ = 0;
+};
+
 /// Throws what replace_file() would throw where no file can be made: to be asked before something else is
 /// written that should not be there alone.
 void expect_writable(const std::string& path);

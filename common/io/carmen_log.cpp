@@ -308,25 +308,51 @@ std::unique_ptr<LogReader> carmen_log_from_text(const std::string& text, const s
   return std::make_unique<CarmenLog>(LineReader::from_text(text, name));
 }
 
-std::string carmen_line(const LogRecord& record) {
+namespace {
+
+/// The view whose share by gap is `step_rad` to the bit for a reader, if there is one.
+double exact_view(double step_rad, double view_rad, std::size_t beams) {
+  const double gaps = static_cast<double>(beams) - 1.0;
+  for (const double near :
+       {view_rad, std::nextafter(view_rad, 0.0), std::nextafter(view_rad, 2.0 * view_rad)})
+    if (near / gaps == step_rad) return near;
+  return view_rad;
+}
+
+}  // namespace
+
+std::string carmen_line(const LogRecord& record, CarmenDigits digits) {
   const Scan& scan = record.scan;
   const std::size_t n = scan.ranges_m.size();
   // No line can say that a LiDAR is upside down, but one may count its angles clockwise.
   const double sign = scan.upside_down ? -1.0 : 1.0;
   const double min_rad = sign * scan.angle_min_rad, step_rad = sign * scan.angle_step_rad;
-  const double fov_rad = n > 0 ? step_rad * static_cast<double>(n - 1) : 0.0;
+  double fov_rad = n > 0 ? step_rad * static_cast<double>(n - 1) : 0.0;
+  if (digits == CarmenDigits::all && n > 1) fov_rad = exact_view(step_rad, fov_rad, n);
   const Pose& robot = record.odometry;
   const Pose laser = compose(robot, scan.T_base_sensor);
   std::string line;
   auto out = std::back_inserter(line);
+  const auto put = [&](auto value, int decimals) {
+    if (digits == CarmenDigits::all)
+      fmt::format_to(out, " {}", value);
+    else
+      fmt::format_to(out, " {:.{}f}", value, decimals);
+  };
   const bool numbered = scan.sensor.size() == 11 && scan.sensor.rfind("robotlaser", 0) == 0;
   const char number = numbered ? robotlaser_number(std::string(kRobotlaser) + scan.sensor.back()) : '\0';
-  fmt::format_to(out, "ROBOTLASER{} 0 {:.9f} {:.9f} {:.9f} {:.6f} 0.010000 0 {}", number != 0 ? number : '1',
-                 min_rad, fov_rad, step_rad, scan.range_max_m, n);
-  for (const float range_m : scan.ranges_m) fmt::format_to(out, " {:.4f}", range_m);
-  fmt::format_to(out, " 0 {:.9f} {:.9f} {:.9f} {:.9f} {:.9f} {:.9f} 0 0 0 0 0 {:.6f} parloc {:.6f}",
-                 laser.x_m, laser.y_m, laser.theta_rad, robot.x_m, robot.y_m, robot.theta_rad, scan.stamp_s,
-                 scan.stamp_s);
+  fmt::format_to(out, "ROBOTLASER{} 0", number != 0 ? number : '1');
+  for (const double angle_rad : {min_rad, fov_rad, step_rad}) put(angle_rad, 9);
+  put(scan.range_max_m, 6);
+  fmt::format_to(out, " 0.010000 0 {}", n);
+  for (const float range_m : scan.ranges_m) put(range_m, 4);
+  fmt::format_to(out, " 0");
+  for (const Pose& pose : {laser, robot})
+    for (const double value : {pose.x_m, pose.y_m, pose.theta_rad}) put(value, 9);
+  fmt::format_to(out, " 0 0 0 0 0");
+  put(scan.stamp_s, 6);
+  fmt::format_to(out, " parloc");
+  put(scan.stamp_s, 6);
   return line;
 }
 

@@ -65,8 +65,13 @@ std::unique_ptr<LogReader> open_carmen_log(const std::string& path);
 /// A CARMEN log already in memory, for tests and fuzzers. `name` stands for the file in messages.
 std::unique_ptr<LogReader> carmen_log_from_text(const std::string& text, const std::string& name);
 
+/// How many digits a written number has.
+enum class CarmenDigits {
+  short_form,  ///< Ranges with 4 decimals, stamps with 6.
+  all,         ///< As few as read back to the same number.
+};
 /// Writes one scan as a ROBOTLASER line, its number that of the sensor's name, else 1 (carries angles, limits
-/// and the sensor pose; ranges with 4 decimals, stamps with 6), so that open_carmen_log gives it back.
-std::string carmen_line(const LogRecord& record);
+/// and the sensor pose), so that open_carmen_log gives it back.
+std::string carmen_line(const LogRecord& record, CarmenDigits digits = CarmenDigits::short_form);
 
 }  // namespace parloc

@@ -14,10 +14,9 @@ std::string frame_name(std::string name) {
 // ROS 1 counts its headers before the stamp.
 MessageHeader read_header(MessageReader& in) {
   if (in.ros1()) in.number<std::uint32_t>();
-  const double seconds = in.ros1() ? in.number<std::uint32_t>() : in.number<std::int32_t>();
-  const double nanoseconds = in.number<std::uint32_t>();
+  const std::int64_t seconds = in.ros1() ? in.number<std::uint32_t>() : in.number<std::int32_t>();
   MessageHeader header;
-  header.stamp_s = seconds + nanoseconds / 1e9;
+  header.stamp_s = seconds_of(seconds, in.number<std::uint32_t>());
   header.frame = frame_name(in.text());
   return header;
 }

@@ -10,6 +10,15 @@
 
 namespace parloc {
 
+/// A time of ROS in seconds: the double nearest to it, as text of the same decimals is read.
+inline double seconds_of(std::int64_t seconds, std::uint32_t nanoseconds) {
+  const std::int64_t whole_ns = seconds * 1'000'000'000 + nanoseconds;
+  constexpr std::int64_t exact = std::int64_t{1} << 53;
+  return whole_ns > -exact && whole_ns < exact
+             ? static_cast<double>(whole_ns) / 1e9
+             : static_cast<double>(seconds) + static_cast<double>(nanoseconds) / 1e9;
+}
+
 struct MessageHeader {
   double stamp_s = 0.0;
   std::string frame;  ///< Without the slash that ROS 1 put before it.

@@ -30,6 +30,7 @@ Command add_simulate_command(CLI::App& program);
 Command add_learn_command(CLI::App& program);
 Command add_locate_command(CLI::App& program);
 Command add_map_command(CLI::App& program);
+Command add_log_command(CLI::App& program);
 Command add_config_command(CLI::App& program);
 Command add_bench_command(CLI::App& program);
 Command add_evaluate_command(CLI::App& program);

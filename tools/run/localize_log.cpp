@@ -113,7 +113,7 @@ class Run {
   Run(const GridMap& map, const LocalizeRequest& request, const LogRecord& first)
       : tracker_(filter_config(request), map, request.config.localize.health && !request.odometry_only),
         start_(start_of(request, first.stamp_s)),
-        answered_(request.answered) {
+        request_(request) {
     result_.odometry_only = request.odometry_only;
     result_.config = filter_config(request);
     tracker_.start(start_);
@@ -138,9 +138,10 @@ class Run {
     result_.steps.push_back(step_record(estimate, record.stamp_s, step_ms));
     if (tracker_.judged()) result_.steps.back().health = judged.health;
     result_.steps.back().searched = judged.searched;
-    if (answered_)
-      answered_({record.stamp_s, judged, tracker_.judged(),
-                 estimate.weighted ? filter().last_beams().count : std::size_t{0}});
+    const ScanAnswer answer{record.stamp_s, judged, tracker_.judged(),
+                            estimate.weighted ? filter().last_beams().count : std::size_t{0}};
+    if (request_.answered) request_.answered(answer);
+    if (request_.stepped) request_.stepped({answer, record, filter()});
     result_.modes = std::move(judged.modes);
     result_.lost_steps += estimate.lost ? 1 : 0;
     ++result_.scans;
@@ -173,7 +174,7 @@ class Run {
  private:
   Tracker tracker_;
   StartPose start_;
-  const std::function<void(const ScanAnswer&)>& answered_;
+  const LocalizeRequest& request_;
   Pose T_map_odometry_;
   EvenSample<Snapshot> snapshots_{12};
   Scan last_scan_;

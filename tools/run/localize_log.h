@@ -21,6 +21,13 @@
 
 namespace parloc::tools {
 
+/// A step with what it was made of. Valid as long as the call that it is handed to.
+struct StepView {
+  const ScanAnswer& answer;
+  const LogRecord& record;
+  const ParticleFilter& filter;  ///< After the step.
+};
+
 struct LocalizeRequest {
   Config config;
   std::optional<StartPose> start;  ///< Empty: from `truth`.
@@ -31,6 +38,7 @@ struct LocalizeRequest {
   std::function<void(double fraction, std::size_t scans)>
       progress;                                     ///< Called after every scan; may be empty.
   std::function<void(const ScanAnswer&)> answered;  ///< Likewise, with what is said of it.
+  std::function<void(const StepView&)> stepped;     ///< Likewise.
   std::function<void(const LogWarnings&)> read;     ///< Likewise, of every record: for notes as they come.
   std::function<bool()> stop;  ///< Asked before every scan; may be empty. True ends the run early.
 };

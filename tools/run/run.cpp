@@ -5,9 +5,11 @@
 #include <CLI/CLI.hpp>
 #include <algorithm>
 #include <cstdio>
+#include <filesystem>
 #include <memory>
 #include <optional>
 #include <string>
+#include <system_error>
 #include <utility>
 #include <vector>
 
@@ -27,6 +29,7 @@
 #include "tools/program/progress.h"
 #include "tools/report/report.h"
 #include "tools/run/localize_log.h"
+#include "tools/run/mcap_record.h"
 #include "tools/run/pose_file.h"
 #include "tools/run/run_results.h"
 
@@ -36,7 +39,7 @@ namespace {
 /// The command line; what was not given is empty.
 struct RunOptions : ConfigOptions {
   std::vector<std::string> init;
-  std::string map, log, truth, relations, near, heading, particles;
+  std::string map, log, truth, relations, near, heading, particles, mcap;
   std::string out = "parloc_out";
   std::optional<PoseFormat> poses;
   bool odometry_only = false, strict = false, json = false, quiet = false;
@@ -45,8 +48,8 @@ struct RunOptions : ConfigOptions {
 void declare(CLI::App& app, RunOptions& o) {
   add_text_option(app, "--map", o.map, "M.yaml", "ROS map_server YAML, or a bag (the log, if a bag)");
   add_log_options(app, o, o.log)->required();
-  add_text_option(app, "--truth", o.truth, "T.tum", "True trajectory: TUM, CARMEN or bag");
-  add_text_option(app, "--relations", o.relations, "R.txt", "True relations between scans");
+  add_text_option(app, "--truth", o.truth, "T.tum", "True poses: TUM, CARMEN, bag (--relations R.txt: relations)");
+  add_text_option(app, "--relations", o.relations, "R.txt", "True relations between scans")->group("");
   add_text_option(app, "--config", o.config, "C.yaml", "Settings over the defaults");
   add_text_option(app, "--init", o.init, "START", "x,y,theta[,sx,sy,st] (again: or there), or global")
       ->allow_extra_args(false);
@@ -55,6 +58,7 @@ void declare(CLI::App& app, RunOptions& o) {
   add_text_option(app, "--out", o.out, "DIR", "Folder for the results (parloc_out)");
   add_choice_option(app, "--poses", o.poses, kPoseFormats, "FORMAT",
                     "Poses with all that is said of them: csv, jsonl, none");
+  add_text_option(app, "--mcap", o.mcap, "F.mcap", "For Foxglove and RViz, as it runs (docs/mcap.md)");
   add_choice_option(app, "--backend", o.backend, kBackends, "WHICH",
                     "auto, cpu or cuda; --device D is one of several GPUs");
   add_text_option(app, "--device", o.device, "D", "CUDA device, as parloc devices lists them")->group("");
@@ -129,6 +133,17 @@ void write_results(OutputFolder& out, const RunResults& results, const GridMap& 
   out.publish();
 }
 
+/// Nothing without --mcap.
+std::unique_ptr<McapRecord> record_for(const RunOptions& o, const GridMap& map, const LocalizeRequest& r) {
+  if (o.mcap.empty()) return nullptr;
+  for (const std::string& input : {o.log, o.map, o.truth, o.relations, o.config}) {
+    std::error_code error;
+    if (!input.empty() && std::filesystem::equivalent(input, o.mcap, error) && !error)
+      throw Error(ErrorKind::usage, fmt::format("--mcap: {} is read in this run", input));
+  }
+  return std::make_unique<McapRecord>(o.mcap, map, r.truth, r.config);
+}
+
 int run(const RunOptions& given, const std::string& typed) {
   // Everything that can be wrong is looked at before the long work.
   RunOptions o = given;
@@ -158,6 +173,7 @@ int run(const RunOptions& given, const std::string& typed) {
   OutputFolder out(o.out, {kTrajectory, kPosesCsv, kPosesJsonl, kMetrics, kReport, kPicture, kErrors});
   const PoseFormat format = o.poses.value_or(PoseFormat::csv);
   PoseFile poses(format, out.staged(poses_name(format)));
+  const std::unique_ptr<McapRecord> record = record_for(o, map, request);
 
   RunResults results{o.map, o.log, o.truth, o.relations, typed, start_text(o), {}, {}, {}, {}, {}, {}};
   catch_interrupts();
@@ -167,6 +183,7 @@ int run(const RunOptions& given, const std::string& typed) {
       progress.update(fraction, fmt::format("{} scans", scans));
     };
     request.answered = [&](const ScanAnswer& answer) { poses.write(answer); };
+    if (record) request.stepped = [&](const StepView& step) { record->add(step); };
     NoteTeller notes(o.log, request.config.lidars, o.quiet);
     request.read = [&](const LogWarnings& warnings) { notes.tell(warnings); };
     request.stop = interrupted;
@@ -184,6 +201,12 @@ int run(const RunOptions& given, const std::string& typed) {
   }
   if (!o.relations.empty()) results.relations = compare_relations(results.run.trajectory, relations);
   poses.commit();
+  if (record) {
+    record->finish();
+    results.mcap_path = o.mcap;
+    results.mcap_messages = record->messages();
+    results.mcap_bytes = record->bytes();
+  }
   write_results(out, results, map);
 
   if (o.json) {

@@ -239,6 +239,9 @@ Facts main_facts(const RunResults& results) {
   if (!run.odometry_only) add_lidar_facts(facts, run);
   facts.push_back({"backend", run.backend});
   facts.push_back({"digest", run.digest});
+  if (!results.mcap_path.empty())
+    add_fact(facts, "recorded", "{}: {} messages, {:.1f} MB", results.mcap_path, results.mcap_messages,
+             static_cast<double>(results.mcap_bytes) / 1e6);
   return facts;
 }
 
@@ -312,6 +315,7 @@ std::string metrics_json(const RunResults& results) {
   json["log"] = results.log_path;
   json["truth"] = text_or_null(results.truth_path);
   json["init"] = results.init;
+  json["mcap"] = text_or_null(results.mcap_path);
   json["command"] = results.command_line;
   json["config"] = config_json(run.config);
   return file_text(json);

@@ -1,6 +1,7 @@
 // What a run is worth: errors against the truth, as JSON, as a report, and as lines for a person.
 #pragma once
 
+#include <cstddef>
 #include <optional>
 #include <string>
 
@@ -23,6 +24,8 @@ struct RunResults {
   std::optional<Consistency> consistency;      ///< With a truth.
   std::optional<TrackErrors> odometry_errors;  ///< Of dead reckoning, with a truth and a known start.
   std::optional<RelationErrors> relations;     ///< With relations.
+  std::string mcap_path{};                     ///< Where it was recorded; empty: nowhere.
+  std::size_t mcap_bytes = 0, mcap_messages = 0;
 };
 
 /// metrics.json: one object, fields in a fixed order; what needs a truth that is not there is null.
