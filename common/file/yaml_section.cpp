@@ -160,11 +160,12 @@ void YamlSection::require(const std::string& key) const {
   if (!has(key)) document_->missing.push_back(error(key, "is missing"));
 }
 
-void YamlSection::text(const std::string& key, std::string& target) const {
+void YamlSection::text(const std::string& key, std::string& target, bool may_be_empty) const {
   const YamlNode* node = find(key);
   if (node == nullptr) return;
   const bool scalar = node->kind == YamlKind::plain || node->kind == YamlKind::quoted;
-  if (!scalar || node->text.empty()) throw mismatch(*node, "a text");
+  const bool empty = node->text.empty() && !(may_be_empty && node->kind == YamlKind::quoted);
+  if (!scalar || empty) throw mismatch(*node, "a text");
   target = node->text;
 }
 

@@ -75,7 +75,7 @@ class YamlSection {
     if (const YamlNode* node = find(key))
       expect_number(*node, full_name(key), read_number(node->kind, node->text, target, low, high, above_low));
   }
-  void text(const std::string& key, std::string& target) const;
+  void text(const std::string& key, std::string& target, bool may_be_empty = false) const;
   /// One of the names; the target becomes its value.
   template <class Value, class Choices = std::initializer_list<std::pair<const char*, Value>>>
   void choice(const std::string& key, Value& target, const Choices& choices) const {

@@ -45,7 +45,8 @@ class BagLog final : public LogReader {
 
   bool next(LogRecord& record) override {
     while (!next_ready(record)) {
-      if (ended_ && placed_ > 0 && !any_scan_) throw input_error(name_, 0, joiner_.why_none());
+      if (ended_ && placed_ == 0) throw input_error(name_, 0, no_scans());
+      if (ended_ && !any_scan_) throw input_error(name_, 0, joiner_.why_none());
       if (ended_) return false;
       BagMessage message;
       if (bag_->next(message)) {
@@ -87,6 +88,7 @@ class BagLog final : public LogReader {
   void end();
   Error no_place(const Unplaced& scan) const;
   Error no_odometry() const;
+  std::string no_scans() const;
   Error why_unplaced() const {
     const Unplaced& first = unplaced_.front();
     return base_frame_.empty() && !is_mounted(first.record.scan.sensor) ? no_odometry() : no_place(first);
@@ -137,7 +139,8 @@ void BagLog::tell_all() const {
     if (const auto sensor = sensor_on_.find(said.frame); sensor != sensor_on_.end())
       warnings_.notes.push_back({LogNote::About::mount, sensor->second, said.text});
   const auto left_out = [&](std::size_t count, const char* when) {
-    if (count > 0) tell(warnings_, fmt::format("{}: {} scans {} are left out", name_, count, when));
+    if (count > 0)
+      tell(warnings_, fmt::format("{}: {} scan{} {} left out", name_, count, count == 1 ? "" : "s", when));
   };
   left_out(joiner_.scans_before(), "before the first odometry");
   left_out(joiner_.scans_after(), "after the last odometry");
@@ -339,6 +342,17 @@ Error BagLog::no_odometry() const {
             choice_.odometry_frame.empty() ? "odom" : printable(choice_.odometry_frame),
             frames.empty() ? "none" : printable(fmt::format("{}", fmt::join(frames, ", ")))));
   return input_error(name_, 0, "expected odometry, found a topic without a usable message");
+}
+
+std::string BagLog::no_scans() const {
+  std::string topics;
+  for (std::size_t k = 0; k < roles_.size(); ++k)
+    if (roles_[k] == TopicRole::scan || roles_[k] == TopicRole::multi_echo_scan ||
+        roles_[k] == TopicRole::cloud)
+      topics += (topics.empty() ? "" : ", ") + printable(bag_->topics()[k].name);
+  const std::vector<std::string>& said = warnings().messages;
+  return fmt::format("expected at least one scan on {}, found none{}{}", topics, said.empty() ? "" : "; ",
+                     said.empty() ? "" : said.front());
 }
 
 void BagLog::end() {

@@ -34,7 +34,7 @@ bool ScanStream::read_record() {
 }
 
 Error no_scan(const std::string& log_name, const LogWarnings& warnings) {
-  std::string message = "expected at least one scan, found none";
+  std::string message = "expected at least one scan (FLASER, RLASER or ROBOTLASER1), found none";
   for (const auto& [name, count] : warnings.unread)
     message += fmt::format("{}{} {}", &name == &warnings.unread.front().first ? "; " : ", ", count, name);
   if (!warnings.unread.empty()) message += " lines: not read";

@@ -28,7 +28,7 @@ class Reader {
     section_.boolean(setting_.key, value);
     if (section_.has(setting_.key)) flag.set(value);
   }
-  void operator()(const TextSetting& text) const { section_.text(setting_.key, *text.text); }
+  void operator()(const TextSetting& text) const { section_.text(setting_.key, *text.text, true); }
   void operator()(const ChoiceSetting& choice) const {
     std::size_t chosen = 0;
     section_.choice(setting_.key, chosen, choice.names);

@@ -155,7 +155,7 @@ TEST_F(Program, ErrorsAreOneLineAndDestroyNothing) {
   std::vector<ProgramCase> cases{
       {{}, 2, "--help"},
       {{"fly"}, 2, "--help"},
-      {{"run"}, 2, "--map"},
+      {{"run"}, 2, "--log"},
       {run_args({init, "--partickles", "5"}), 2, "--partickles"},
       {run_args({init, "--particles", "0"}), 2,
        "--particles: expected a whole number from 1 to 16777216, got '0'"},
@@ -302,15 +302,14 @@ TEST_F(Program, TakesTheSettingsOfNav2) {
         " sgima_hit: 1\n");
   const Outcome run = done(run_args({"--config", path("nav2.yaml"), "--json"}));
   expect_parts(run.err,
-               {"nav2.yaml: nav2's settings of /robot1/amcl: 7 parameters taken; parloc config --config ",
-                "nav2.yaml: 1 have no meaning here: base_frame_id",
+               {"nav2.yaml: nav2's settings of /robot1/amcl: 8 parameters taken; parloc config --config ",
                 "nav2.yaml: 1 are no parameters of amcl: sgima_hit"});
   const Json config = Json::parse(run.out).at("config");
   EXPECT_EQ(config.at("scan").at("max_beams"), 40);
   EXPECT_EQ(config.at("max_particles"), 400);
   expect_parts(done({"config", "--config", path("nav2.yaml")}).out,
                {"# taken     max_beams: 40 -> scan.max_beams: 40\n",
-                "# not used  base_frame_id: base_link -> a log has no frames\n",
+                "# taken     base_frame_id: base_link -> log.base_frame: \"base_link\"\n",
                 "# not used  sgima_hit: 1 -> no parameter of amcl; the nearest is 'sigma_hit'\n",
                 "\n  max_beams: 40 "});
   // The listing is of comments: what is printed is a configuration of its own.

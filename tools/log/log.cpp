@@ -16,10 +16,10 @@ void add_log_argument(CLI::App& app, LogArguments& o) {
 }
 
 Command add_log_command(CLI::App& program) {
-  CLI::App* app = program.add_subcommand("log", "Write a log in another format");
+  CLI::App* app = program.add_subcommand("log", "What is in a log, and the same in another format");
   app->require_subcommand(1);
   std::vector<Command> subcommands;
-  for (const auto add : {add_log_convert}) subcommands.push_back(add(*app));
+  for (const auto add : {add_log_info, add_log_convert}) subcommands.push_back(add(*app));
   return {app, [=](const std::string& typed) {
             for (const Command& command : subcommands)
               if (command.app->parsed()) return command.run(typed);

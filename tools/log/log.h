@@ -16,6 +16,7 @@ struct LogArguments : ConfigOptions {
 /// LOG, the options that choose among a bag's topics and frames, and --config.
 void add_log_argument(CLI::App& app, LogArguments& arguments);
 
+Command add_log_info(CLI::App& log);
 Command add_log_convert(CLI::App& log);
 
 }  // namespace parloc::tools
