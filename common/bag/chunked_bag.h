@@ -11,8 +11,8 @@
 #include <vector>
 
 #include "common/bag/bag.h"
-#include "common/bag/byte_stream.h"
-#include "common/bag/decompress.h"
+#include "common/bag/bytes/byte_stream.h"
+#include "common/bag/bytes/decompress.h"
 
 namespace parloc {
 

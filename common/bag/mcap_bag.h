@@ -4,7 +4,7 @@
 #include <memory>
 
 #include "common/bag/bag.h"
-#include "common/bag/byte_stream.h"
+#include "common/bag/bytes/byte_stream.h"
 
 namespace parloc {
 

@@ -2,6 +2,7 @@
 #include <filesystem>
 #include <fstream>
 #include <string_view>
+#include <system_error>
 
 #include "common/bag/mcap_writer.h"
 #include "common/bag/open_bag.h"

@@ -5,16 +5,17 @@
 #include <algorithm>
 #include <filesystem>
 #include <string_view>
+#include <system_error>
 #include <utility>
 #include <vector>
 
 #include "common/bag/bag_folder.h"
-#include "common/bag/byte_stream.h"
-#include "common/bag/decompress.h"
+#include "common/bag/bytes/byte_stream.h"
+#include "common/bag/bytes/decompress.h"
+#include "common/bag/bytes/temporary_file.h"
 #include "common/bag/mcap_bag.h"
 #include "common/bag/ros1_bag.h"
 #include "common/bag/sqlite_bag.h"
-#include "common/bag/temporary_file.h"
 #include "common/error.h"
 
 namespace parloc {

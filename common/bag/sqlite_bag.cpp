@@ -8,8 +8,8 @@
 #include <map>
 #include <utility>
 
-#include "common/bag/byte_stream.h"
-#include "common/bag/decompress.h"
+#include "common/bag/bytes/byte_stream.h"
+#include "common/bag/bytes/decompress.h"
 #include "common/bag/type_name.h"
 #include "common/error.h"
 

@@ -5,9 +5,9 @@
 #include <cmath>
 #include <string>
 
+#include "common/bag/bytes/temporary_file.h"
 #include "common/bag/open_bag.h"
-#include "common/bag/temporary_file.h"
-#include "common/io/bag_log.h"
+#include "common/inputs/bag_log.h"
 #include "tests/fuzz/one_line.h"
 
 namespace parloc::fuzz {

@@ -2,7 +2,7 @@
 // it.
 #include <string_view>
 
-#include "common/io/cloud_scan.h"
+#include "common/inputs/cloud_scan.h"
 #include "common/ros/messages.h"
 #include "common/ros/transform_tree.h"
 #include "tests/fuzz/one_line.h"

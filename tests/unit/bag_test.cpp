@@ -11,7 +11,7 @@
 #include <vector>
 
 #include "common/bag/open_bag.h"
-#include "common/io/bag_log.h"
+#include "common/inputs/bag_log.h"
 #include "tests/unit/expect.h"
 #include "tests/unit/temp_file.h"
 

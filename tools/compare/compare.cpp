@@ -14,7 +14,7 @@
 #include "common/config/config.h"
 #include "common/error.h"
 #include "common/file/output_file.h"
-#include "common/io/open_map.h"
+#include "common/inputs/open_map.h"
 #include "common/map/map_reader.h"
 #include "common/simulator/scenario.h"
 #include "tools/compare/comparison.h"

@@ -9,7 +9,7 @@
 
 #include "common/error.h"
 #include "common/eval/metrics.h"
-#include "common/io/open_truth.h"
+#include "common/inputs/open_truth.h"
 #include "common/simulator/drive.h"
 #include "common/simulator/simulator.h"
 

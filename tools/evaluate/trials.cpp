@@ -11,7 +11,7 @@
 
 #include "common/error.h"
 #include "common/eval/metrics.h"
-#include "common/io/open_truth.h"
+#include "common/inputs/open_truth.h"
 #include "common/simulator/wander.h"
 #include "tools/program/run_items.h"
 

@@ -5,7 +5,7 @@
 #include <algorithm>
 
 #include "common/error.h"
-#include "common/io/topic_choice.h"
+#include "common/inputs/topic_choice.h"
 
 namespace parloc::tools {
 

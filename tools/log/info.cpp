@@ -9,7 +9,7 @@
 #include "common/bag/open_bag.h"
 #include "common/config/config.h"
 #include "common/error.h"
-#include "common/io/open_log.h"
+#include "common/inputs/open_log.h"
 #include "tools/log/info_text.h"
 #include "tools/log/log.h"
 #include "tools/program/progress.h"

@@ -19,7 +19,7 @@
 #include "common/error.h"
 #include "common/file/input_file.h"
 #include "common/file/output_file.h"
-#include "common/io/bag_map.h"
+#include "common/inputs/bag_map.h"
 #include "common/map/check/known_part.h"
 #include "common/map/check/map_findings.h"
 #include "common/map/grid_map.h"

@@ -10,7 +10,7 @@
 #include <vector>
 
 #include "common/error.h"
-#include "common/io/open_log.h"
+#include "common/inputs/open_log.h"
 #include "common/io/scan_stream.h"
 
 namespace parloc::tools {

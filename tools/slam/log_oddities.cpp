@@ -6,7 +6,7 @@
 #include <optional>
 #include <system_error>
 
-#include "common/io/open_log.h"
+#include "common/inputs/open_log.h"
 
 namespace parloc::tools::slam {
 namespace {

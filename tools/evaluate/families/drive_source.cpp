@@ -9,9 +9,9 @@
 
 #include "common/error.h"
 #include "common/eval/metrics.h"
-#include "common/io/open_log.h"
-#include "common/io/open_map.h"
-#include "common/io/open_truth.h"
+#include "common/inputs/open_log.h"
+#include "common/inputs/open_map.h"
+#include "common/inputs/open_truth.h"
 
 namespace parloc::tools::families {
 namespace {

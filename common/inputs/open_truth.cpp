@@ -1,7 +1,7 @@
-#include "common/io/open_truth.h"
+#include "common/inputs/open_truth.h"
 
 #include "common/bag/open_bag.h"
-#include "common/io/bag_truth.h"
+#include "common/inputs/bag_truth.h"
 #include "common/io/trajectory.h"
 
 namespace parloc {

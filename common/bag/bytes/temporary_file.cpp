@@ -1,4 +1,4 @@
-#include "common/bag/temporary_file.h"
+#include "common/bag/bytes/temporary_file.h"
 
 #include <fcntl.h>
 #include <stdlib.h>
@@ -7,6 +7,7 @@
 #include <cerrno>
 #include <cstring>
 #include <filesystem>
+#include <system_error>
 
 #include "common/error.h"
 

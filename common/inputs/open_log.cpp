@@ -1,7 +1,7 @@
-#include "common/io/open_log.h"
+#include "common/inputs/open_log.h"
 
 #include "common/bag/open_bag.h"
-#include "common/io/bag_log.h"
+#include "common/inputs/bag_log.h"
 
 namespace parloc {
 

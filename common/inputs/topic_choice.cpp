@@ -1,4 +1,4 @@
-#include "common/io/topic_choice.h"
+#include "common/inputs/topic_choice.h"
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>

@@ -1,4 +1,4 @@
-#include "common/io/bag_log.h"
+#include "common/inputs/bag_log.h"
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
@@ -12,7 +12,7 @@
 
 #include "common/bag/open_bag.h"
 #include "common/error.h"
-#include "common/io/cloud_scan.h"
+#include "common/inputs/cloud_scan.h"
 #include "common/io/odometry_joiner.h"
 #include "common/math/portable64.h"
 #include "common/ros/messages.h"

@@ -5,7 +5,7 @@
 #include <string>
 #include <string_view>
 
-#include "common/bag/byte_stream.h"
+#include "common/bag/bytes/byte_stream.h"
 
 namespace parloc {
 

@@ -1,4 +1,4 @@
-#include "common/io/bag_truth.h"
+#include "common/inputs/bag_truth.h"
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
@@ -6,11 +6,12 @@
 #include <deque>
 #include <memory>
 #include <optional>
+#include <utility>
 #include <vector>
 
 #include "common/bag/open_bag.h"
 #include "common/error.h"
-#include "common/io/topic_choice.h"
+#include "common/inputs/topic_choice.h"
 #include "common/ros/messages.h"
 #include "common/ros/transform_tree.h"
 

@@ -1,7 +1,7 @@
-#include "common/io/open_map.h"
+#include "common/inputs/open_map.h"
 
 #include "common/bag/open_bag.h"
-#include "common/io/bag_map.h"
+#include "common/inputs/bag_map.h"
 #include "common/map/map_reader.h"
 
 namespace parloc {

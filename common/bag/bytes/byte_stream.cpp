@@ -1,4 +1,4 @@
-#include "common/bag/byte_stream.h"
+#include "common/bag/bytes/byte_stream.h"
 
 #include <fcntl.h>
 #include <fmt/format.h>

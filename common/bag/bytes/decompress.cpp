@@ -1,4 +1,4 @@
-#include "common/bag/decompress.h"
+#include "common/bag/bytes/decompress.h"
 
 #include <bzlib.h>
 #include <fmt/format.h>
@@ -6,6 +6,7 @@
 #include <zstd.h>
 
 #include <algorithm>
+#include <new>
 #include <utility>
 #include <vector>
 

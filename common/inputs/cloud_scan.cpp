@@ -1,7 +1,8 @@
-#include "common/io/cloud_scan.h"
+#include "common/inputs/cloud_scan.h"
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
 #include <cstring>
 #include <limits>

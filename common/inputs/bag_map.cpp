@@ -1,4 +1,4 @@
-#include "common/io/bag_map.h"
+#include "common/inputs/bag_map.h"
 
 #include <fmt/format.h>
 
@@ -10,7 +10,7 @@
 
 #include "common/bag/open_bag.h"
 #include "common/error.h"
-#include "common/io/topic_choice.h"
+#include "common/inputs/topic_choice.h"
 #include "common/map/map_limits.h"
 
 namespace parloc {

@@ -4,8 +4,8 @@
 #include <memory>
 #include <string>
 
+#include "common/inputs/topic_choice.h"
 #include "common/io/log.h"
-#include "common/io/topic_choice.h"
 
 namespace parloc {
 
