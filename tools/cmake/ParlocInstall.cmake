@@ -16,9 +16,11 @@ set(PARLOC_PUBLIC_HEADERS
   flow/flow_config.h
   flow/flow_filter.h
   flow/flow_filter_config.h
+  inputs/open_log.h
+  inputs/open_map.h
+  inputs/open_truth.h
   io/log.h
   io/log_choice.h
-  io/open_log.h
   io/trajectory.h
   localize/health.h
   localize/localizer.h
