@@ -305,18 +305,17 @@ class McapProgram(unittest.TestCase):
         pipe, out = self.at / "pipe", self.at / "part.mcap"
         os.mkfifo(pipe)
         convert = subprocess.Popen([PARLOC, "log", "convert", pipe, "--output", out, "--quiet"])
-        line = "FLASER 5 1 2 3 4 5 0 0 0 0.1 0 0 {} host 0\n"
-        with open(pipe, "w") as log:
-            for k in range(20000):
-                log.write(line.format(k / 10))
-            log.flush()  # all but what a pipe holds has been read
-            convert.send_signal(signal.SIGINT)
-            for k in range(20000, 40000):
-                try:
-                    log.write(line.format(k / 10))
-                    log.flush()
-                except BrokenPipeError:
-                    break
+        lines = [f"FLASER 5 1 2 3 4 5 0 0 0 0.1 0 0 {k / 10} host 0\n".encode() for k in range(40000)]
+        log = os.open(pipe, os.O_WRONLY)
+        for line in lines[:20000]:
+            os.write(log, line)  # all but what a pipe holds has been read
+        convert.send_signal(signal.SIGINT)
+        try:
+            for line in lines[20000:]:
+                os.write(log, line)
+        except BrokenPipeError:  # as soon as it ends
+            pass
+        os.close(log)
         self.assertEqual(convert.wait(60), 130)
         scans = len(decoded(out)["/front"])
         self.assertTrue(10000 < scans < 40000, scans)
