@@ -36,6 +36,10 @@ class BagReader {
   virtual ~BagReader() = default;
   /// All of the bag, known from the start.
   virtual const std::vector<BagTopic>& topics() const = 0;
+  /// Whether the topic has no message; false as well where only reading all of the bag would tell.
+  virtual bool is_empty(std::size_t topic) const = 0;
+  /// When the first message was recorded [ns]; the largest number for a bag without any.
+  virtual std::int64_t first_stamp_ns() const = 0;
   /// Starts again from the beginning, with those topics alone: one flag per topic. Others are not unpacked
   /// where the container allows it.
   virtual void select(const std::vector<bool>& topics) = 0;

@@ -3,8 +3,8 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <cctype>
 #include <filesystem>
+#include <limits>
 #include <utility>
 #include <vector>
 
@@ -39,6 +39,19 @@ class SplitBag final : public BagReader {
   }
 
   const std::vector<BagTopic>& topics() const override { return topics_; }
+
+  bool is_empty(std::size_t topic) const override {
+    for (const Part& part : parts_)
+      for (std::size_t k = 0; k < part.topic.size(); ++k)
+        if (part.topic[k] == topic && !part.bag->is_empty(k)) return false;
+    return true;
+  }
+
+  std::int64_t first_stamp_ns() const override {
+    std::int64_t first_ns = std::numeric_limits<std::int64_t>::max();
+    for (const Part& part : parts_) first_ns = std::min(first_ns, part.bag->first_stamp_ns());
+    return first_ns;
+  }
 
   void select(const std::vector<bool>& topics) override {
     for (const Part& part : parts_) {
@@ -87,32 +100,6 @@ class SplitBag final : public BagReader {
   mutable BagFaults faults_;
 };
 
-/// Whether a comes before b, numbers in names by value: "bag_2" before "bag_10".
-bool natural_less(const std::string& a, const std::string& b) {
-  std::size_t i = 0, k = 0;
-  const auto digit = [](const std::string& s, std::size_t at) {
-    return at < s.size() && std::isdigit(static_cast<unsigned char>(s[at])) != 0;
-  };
-  while (i < a.size() && k < b.size()) {
-    if (digit(a, i) && digit(b, k)) {
-      std::size_t i_end = i, k_end = k;
-      while (digit(a, i_end)) ++i_end;
-      while (digit(b, k_end)) ++k_end;
-      while (i + 1 < i_end && a[i] == '0') ++i;
-      while (k + 1 < k_end && b[k] == '0') ++k;
-      if (i_end - i != k_end - k) return i_end - i < k_end - k;
-      if (const int order = a.compare(i, i_end - i, b, k, k_end - k); order != 0) return order < 0;
-      i = i_end;
-      k = k_end;
-    } else {
-      if (a[i] != b[k]) return a[i] < b[k];
-      ++i;
-      ++k;
-    }
-  }
-  return a.size() - i < b.size() - k;
-}
-
 const YamlNode* find(const YamlNode& group, const std::string& key) {
   for (const YamlNode& node : group.items)
     if (node.key == key) return &node;
@@ -145,9 +132,7 @@ std::vector<fs::path> bags_in(const fs::path& folder) {
   std::error_code failed;
   for (const auto& entry : fs::directory_iterator(folder, failed))
     if (entry.is_regular_file() && is_bag(entry.path().string())) bags.push_back(entry.path());
-  std::sort(bags.begin(), bags.end(), [](const fs::path& a, const fs::path& b) {
-    return natural_less(a.filename().string(), b.filename().string());
-  });
+  std::sort(bags.begin(), bags.end());
   return bags;
 }
 
@@ -170,7 +155,8 @@ std::unique_ptr<BagReader> open_bag_folder(const std::string& path) {
       note(faults, fmt::format("{}; all bags of the folder are read", error.what()));
     }
   }
-  if (files.empty()) files = bags_in(folder);
+  const bool listed = !files.empty();
+  if (!listed) files = bags_in(folder);
   if (files.empty())
     throw input_error(path, 0, "expected a bag, found a folder without any (no .db3, .mcap or .bag in it)");
   std::vector<std::unique_ptr<BagReader>> bags;
@@ -185,6 +171,9 @@ std::unique_ptr<BagReader> open_bag_folder(const std::string& path) {
     }
   }
   if (bags.empty()) throw Error(ErrorKind::input, first_error);
+  if (!listed)
+    std::stable_sort(bags.begin(), bags.end(),
+                     [](const auto& a, const auto& b) { return a->first_stamp_ns() < b->first_stamp_ns(); });
   auto all = std::make_unique<SplitBag>(std::move(faults));
   for (auto& bag : bags) all->add(std::move(bag));
   all->select(std::vector<bool>(all->topics().size(), true));

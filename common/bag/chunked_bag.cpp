@@ -31,6 +31,12 @@ struct ChunkedBag::Cursor {
 ChunkedBag::ChunkedBag(std::unique_ptr<BagFile> file) : file_(std::move(file)) {}
 ChunkedBag::~ChunkedBag() = default;
 
+std::int64_t ChunkedBag::first_stamp_ns() const {
+  std::int64_t first_ns = std::numeric_limits<std::int64_t>::max();
+  for (const BagChunk& chunk : chunks_) first_ns = std::min(first_ns, chunk.first_ns);
+  return first_ns;
+}
+
 void ChunkedBag::select(const std::vector<bool>& topics) {
   wanted_ = topics;
   cursors_.clear();
@@ -52,6 +58,7 @@ std::size_t ChunkedBag::add_topic(BagTopic topic) {
     if (known.name == topic.name && known.type == topic.type && known.encoding == topic.encoding) return k;
   }
   topics_.push_back(std::move(topic));
+  counts_.push_back(0);
   return topics_.size() - 1;
 }
 
@@ -63,6 +70,7 @@ void ChunkedBag::count_fault(std::uint64_t offset, const std::string& what) {
 }
 
 void ChunkedBag::look_through() {
+  std::fill(counts_.begin(), counts_.end(), 0);
   for (BagChunk& chunk : chunks_) {
     looked_at_ = &chunk;
     chunk.first_ns = std::numeric_limits<std::int64_t>::max();
@@ -75,10 +83,17 @@ void ChunkedBag::look_through() {
     }
   }
   looked_at_ = nullptr;
+  counted_ = true;
 }
 
-void ChunkedBag::note_stamp(std::int64_t stamp_ns) {
+void ChunkedBag::add_count(std::size_t topic, std::uint64_t messages) {
+  counted_ = true;
+  counts_[topic] += messages;
+}
+
+void ChunkedBag::note_message(std::int64_t stamp_ns, std::optional<std::size_t> topic) {
   if (looked_at_ == nullptr) return;
+  if (topic) ++counts_[*topic];
   looked_at_->first_ns = std::min(looked_at_->first_ns, stamp_ns);
   looked_at_->last_ns = std::max(looked_at_->last_ns, stamp_ns);
 }

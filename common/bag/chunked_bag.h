@@ -5,6 +5,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <memory>
+#include <optional>
 #include <set>
 #include <string>
 #include <vector>
@@ -46,6 +47,8 @@ class ChunkRecords {
 class ChunkedBag : public BagReader {
  public:
   const std::vector<BagTopic>& topics() const final { return topics_; }
+  bool is_empty(std::size_t topic) const final { return counted_ && counts_[topic] == 0; }
+  std::int64_t first_stamp_ns() const final;
   void select(const std::vector<bool>& topics) final;
   bool next(BagMessage& message) final;
   const BagFaults& faults() const final { return faults_; }
@@ -66,9 +69,11 @@ class ChunkedBag : public BagReader {
   std::size_t add_topic(BagTopic topic);
   bool wanted(std::size_t topic) const { return topic < wanted_.size() && wanted_[topic]; }
   /// Unpacks all chunks once with nothing selected, so that open_chunk()'s records can tell what is in them:
-  /// topics, and times through note_stamp(). For files without an index.
+  /// topics, and times through note_message(). For files without an index.
   void look_through();
-  void note_stamp(std::int64_t stamp_ns);
+  void note_message(std::int64_t stamp_ns, std::optional<std::size_t> topic);
+  /// The index of the file says how many messages of topics there are.
+  void add_count(std::size_t topic, std::uint64_t messages);
   /// One fault, told once for each place in the file.
   void count_fault(std::uint64_t offset, const std::string& what);
 
@@ -87,6 +92,8 @@ class ChunkedBag : public BagReader {
 
   std::vector<BagTopic> topics_;
   std::vector<bool> wanted_;
+  bool counted_ = false;               ///< counts_ holds for the file.
+  std::vector<std::uint64_t> counts_;  ///< Messages of each topic.
   BagFaults faults_;
   std::set<std::uint64_t> faulty_places_;
   std::vector<std::size_t> order_;  ///< Of chunks_, by time.

@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <map>
 #include <string>
+#include <string_view>
 #include <utility>
 
 #include "common/bag/chunked_bag.h"
@@ -17,6 +18,7 @@ namespace parloc {
 namespace {
 
 constexpr std::uint64_t kMagicBytes = 8;
+constexpr std::string_view kMagic("\x89MCAP0\r\n", kMagicBytes);
 constexpr std::uint64_t kHeadBytes = 9;  // opcode and length
 constexpr std::uint64_t kLongestDescription = std::uint64_t{16} << 20;
 
@@ -26,6 +28,7 @@ enum Opcode : std::uint8_t {
   kChannel = 0x04,
   kMessage = 0x05,
   kChunk = 0x06,
+  kStatistics = 0x0B,
   kDataEnd = 0x0F,
 };
 
@@ -89,10 +92,12 @@ class McapBag final : public ChunkedBag {
  private:
   struct Records;
   void walk();
+  bool ends_with_magic() const;
   void add_chunk(ByteStream& in, std::uint64_t at, std::uint64_t length);
   void add_message(std::uint64_t at, std::uint64_t size, std::int64_t stamp_ns);
   bool read_summary();
   void learn(std::uint8_t opcode, std::string_view bytes);
+  void learn_counts(std::string_view bytes);
 
   std::map<std::uint16_t, std::string> schemas_;        ///< Names of types.
   std::map<std::uint16_t, std::size_t> channel_topic_;  ///< Index into topics().
@@ -132,10 +137,11 @@ struct McapBag::Records final : ChunkRecords {
     stream->number<std::uint32_t>();
     const std::int64_t stamp_ns = stamp_of(stream->number<std::uint64_t>());
     stream->number<std::uint64_t>();
-    bag.note_stamp(stamp_ns);
     const std::uint64_t size = length - header_bytes;
     const auto topic = bag.channel_topic_.find(channel);
-    if (topic == bag.channel_topic_.end() || !bag.wanted(topic->second)) {
+    const bool known = topic != bag.channel_topic_.end();
+    bag.note_message(stamp_ns, known ? std::optional(topic->second) : std::nullopt);
+    if (!known || !bag.wanted(topic->second)) {
       stream->skip(size);
       return false;
     }
@@ -177,6 +183,20 @@ void McapBag::learn(std::uint8_t opcode, std::string_view bytes) {
   channel_topic_.emplace(id, add_topic({name, type, encoding}));
 }
 
+// Messages, schemas, channels, attachments, metadata, chunks, first and last time; then messages by channel.
+void McapBag::learn_counts(std::string_view bytes) {
+  Record record(bytes);
+  record.number<std::uint64_t>();
+  record.number<std::uint16_t>();
+  for (int k = 0; k < 4; ++k) record.number<std::uint32_t>();
+  for (int k = 0; k < 2; ++k) record.number<std::uint64_t>();
+  for (auto left = record.number<std::uint32_t>() / 10; left > 0; --left) {
+    const auto topic = channel_topic_.find(record.number<std::uint16_t>());
+    const auto messages = record.number<std::uint64_t>();
+    if (topic != channel_topic_.end()) add_count(topic->second, messages);
+  }
+}
+
 // All records of the data section by their heads alone: where the chunks are. Does not trust the index, which
 // may be missing or wrong.
 void McapBag::walk() {
@@ -215,9 +235,18 @@ void McapBag::walk() {
   } catch (const Damage& damage) {
     count_fault(at, damage.what);
   }
-  if (!ended)
+  if (!ended) {
     count_fault(
         at, fmt::format("cut off or damaged: what is whole before is read ({} bytes in all)", file_->size()));
+  } else if (!ends_with_magic()) {
+    count_fault(at, "cut off behind the messages: all of them are read");
+  }
+}
+
+bool McapBag::ends_with_magic() const {
+  char end[kMagicBytes];
+  return file_->stream(file_->size() - kMagicBytes, kMagicBytes)->read(end, kMagicBytes) == kMagicBytes &&
+         std::string_view(end, kMagicBytes) == kMagic;
 }
 
 // A chunk: start and end time, unpacked size, checksum, compression, size of the records, records.
@@ -275,6 +304,7 @@ bool McapBag::read_summary() {
   if (file_->size() < kMagicBytes + footer_bytes) return false;
   const std::uint64_t footer_at = file_->size() - footer_bytes;
   bool any = false;
+  std::string statistics;  // to be read last: it needs the channels
   try {
     const auto footer = file_->stream(footer_at, footer_bytes);
     if (footer->number<std::uint8_t>() != kFooter || footer->number<std::uint64_t>() != 20) return false;
@@ -284,15 +314,21 @@ bool McapBag::read_summary() {
     for (char head[kHeadBytes]; in->read(head, sizeof head) == sizeof head;) {
       const auto opcode = static_cast<std::uint8_t>(head[0]);
       const auto length = little_endian<std::uint64_t>(head + 1);
-      if ((opcode != kSchema && opcode != kChannel) || length > kLongestDescription) {
+      if ((opcode != kSchema && opcode != kChannel && opcode != kStatistics) ||
+          length > kLongestDescription) {
         in->skip(length);
         continue;
       }
       std::string bytes;
       in->append_to(bytes, length);
+      if (opcode == kStatistics) {
+        statistics = bytes;
+        continue;
+      }
       learn(opcode, bytes);
       any = any || opcode == kChannel;
     }
+    if (!statistics.empty()) learn_counts(statistics);
   } catch (const Damage&) {
     return false;
   }

@@ -115,6 +115,7 @@ class Ros1Bag final : public ChunkedBag {
   /// Of the chunk record whose header was read; the stream stands before the length of its data.
   BagChunk chunk_at(std::uint64_t data_at, const Header& header, ByteStream& in) const;
   void learn(const Header& header, ByteStream& in, std::uint32_t size);
+  void learn_counts(ByteStream& in, std::uint32_t size);
 
   std::map<std::uint32_t, std::size_t> connection_topic_;  ///< Index into topics().
 };
@@ -140,9 +141,10 @@ struct Ros1Bag::Records final : ChunkRecords {
 
   bool take_message(const Header& header, std::uint32_t size, ChunkMessages& messages) {
     const std::int64_t stamp_ns = header.stamp_ns("time");
-    bag.note_stamp(stamp_ns);
     const auto topic = bag.connection_topic_.find(header.number<std::uint32_t>("conn"));
-    if (topic == bag.connection_topic_.end() || !bag.wanted(topic->second)) {
+    const bool known = topic != bag.connection_topic_.end();
+    bag.note_message(stamp_ns, known ? std::optional(topic->second) : std::nullopt);
+    if (!known || !bag.wanted(topic->second)) {
       stream->skip(size);
       return false;
     }
@@ -178,6 +180,16 @@ void Ros1Bag::learn(const Header& header, ByteStream& in, std::uint32_t size) {
   const auto id = header.number<std::uint32_t>("conn");
   connection_topic_.emplace(
       id, add_topic({std::string(header.field("topic")), type_name(description.field("type")), "ros1"}));
+}
+
+// A connection and its messages in a chunk, for each connection.
+void Ros1Bag::learn_counts(ByteStream& in, std::uint32_t size) {
+  for (; size >= 8; size -= 8) {
+    const auto topic = connection_topic_.find(in.number<std::uint32_t>());
+    const auto messages = in.number<std::uint32_t>();
+    if (topic != connection_topic_.end()) add_count(topic->second, messages);
+  }
+  in.skip(size);
 }
 
 BagChunk Ros1Bag::chunk_at(std::uint64_t data_at, const Header& header, ByteStream& in) const {
@@ -216,7 +228,7 @@ bool Ros1Bag::read_index() {
       chunk.first_ns = header->stamp_ns("start_time");
       chunk.last_ns = header->stamp_ns("end_time");
       chunks_.push_back(chunk);
-      in->skip(size);
+      learn_counts(*in, size);
     }
     return chunks_.size() == chunk_count;
   } catch (const Damage&) {

@@ -4,6 +4,7 @@
 #include <sqlite3.h>
 
 #include <algorithm>
+#include <limits>
 #include <map>
 #include <utility>
 
@@ -48,6 +49,8 @@ class SqliteBag final : public BagReader {
   }
 
   const std::vector<BagTopic>& topics() const override { return topics_; }
+  bool is_empty(std::size_t topic) const override;
+  std::int64_t first_stamp_ns() const override;
   void select(const std::vector<bool>& topics) override;
   bool next(BagMessage& message) override;
   const BagFaults& faults() const override { return faults_; }
@@ -75,6 +78,7 @@ class SqliteBag final : public BagReader {
   Statement order_, row_;
   bool by_id_ = false;  ///< The order of the stamps cannot be had: the file is damaged.
   std::int64_t last_id_ = 0, most_id_ = 0;
+  std::size_t unreadable_ = 0;
   std::string unpacked_;
 };
 
@@ -119,6 +123,23 @@ void SqliteBag::read_topics() {
   const Statement most = prepare("SELECT max(id) FROM messages");
   if (most != nullptr && sqlite3_step(most.get()) == SQLITE_ROW)
     most_id_ = sqlite3_column_int64(most.get(), 0);
+}
+
+bool SqliteBag::is_empty(std::size_t topic) const {
+  const Statement any = prepare("SELECT 1 FROM messages WHERE topic_id = ? LIMIT 1");
+  for (const auto& [id, index] : topic_of_id_) {
+    if (index != topic) continue;
+    sqlite3_reset(any.get());
+    sqlite3_bind_int64(any.get(), 1, id);
+    if (sqlite3_step(any.get()) != SQLITE_DONE) return false;
+  }
+  return true;
+}
+
+std::int64_t SqliteBag::first_stamp_ns() const {
+  const Statement first = prepare("SELECT timestamp FROM messages ORDER BY timestamp LIMIT 1");
+  const bool any = first != nullptr && sqlite3_step(first.get()) == SQLITE_ROW;
+  return any ? sqlite3_column_int64(first.get(), 0) : std::numeric_limits<std::int64_t>::max();
 }
 
 void SqliteBag::select(const std::vector<bool>& topics) {
@@ -170,7 +191,13 @@ bool SqliteBag::fetch(std::int64_t id, BagMessage& message) {
   sqlite3_bind_int64(row_.get(), 1, id);
   const int code = sqlite3_step(row_.get());
   if (code != SQLITE_ROW) {
-    if (!by_id_) count_fault(fmt::format("message {}: {}", id, sqlite3_errstr(code)));
+    // Of a file that is cut off, every message from there on: said once.
+    if (!by_id_ && ++unreadable_ > 1) {
+      ++faults_.count;
+    } else if (!by_id_) {
+      count_fault(fmt::format("cut off or damaged ({}): message {} and others are left out",
+                              sqlite3_errstr(code), id));
+    }
     return false;
   }
   const auto topic = topic_of_id_.find(sqlite3_column_int64(row_.get(), 0));

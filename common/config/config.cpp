@@ -20,6 +20,9 @@ void add_settings(Settings& s, LogChoice& log) {
   s.add("odometry_topic", "Of type nav_msgs/Odometry", log.odometry_topic);
   s.add("odometry_frame", "Its transforms in /tf are the odometry", log.odometry_frame);
   s.add("base_frame", "The robot's, whose pose is estimated", log.base_frame);
+  s.add("map_topic", "Of type nav_msgs/OccupancyGrid", log.map_topic);
+  s.add("truth_topic", "True poses, of the base", log.truth_topic);
+  s.add("truth_frame", "True poses are where /tf says that the base is in this frame", log.truth_frame);
   s.add("cloud_low", "Points of a cloud above this height over the base are a scan [m]", log.cloud_low,
         {-10.0, 100.0});
   s.add("cloud_high", "... and below this [m]", log.cloud_high, {-10.0, 100.0});

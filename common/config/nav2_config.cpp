@@ -106,6 +106,11 @@ class Translation {
     setting.slot.set(number);
   }
   void set_slot(const Nav2Value& value, const FlagSetting& setting) const { setting.set(boolean(value)); }
+  void set_slot(const Nav2Value& value, const TextSetting& setting) const {
+    if (value.kind != YamlKind::plain && value.kind != YamlKind::quoted)
+      fail(value, ": expected a name, got " + described(value.kind, value.text));
+    *setting.text = value.text;
+  }
   void set_slot(const Nav2Value& value, const auto&) const { fail(value, ": cannot be read"); }
 
   /// First of all: they decide other defaults and what other parameters mean.
@@ -204,6 +209,10 @@ void Translation::take_adapted(const Nav2Value& value, const Nav2Parameter& para
     if (interval > 1) return tell(value, Kind::no_meaning, "parloc resamples by N_eff, not by counting");
     result_.config.resample.threshold = 1.0;
     tell_taken(value, parameter.setting, "every step");
+  } else if (name == "odom_frame_id") {
+    if (value.text == "odom") return tell(value, Kind::taken, "as it is without");
+    set(value, parameter.setting);
+    tell_taken(value, parameter.setting);
   } else if (name.starts_with("z_")) {
     take_share(value, parameter);
   }  // the start: take_start()

@@ -6,8 +6,7 @@ namespace parloc {
 namespace {
 
 constexpr const char* kTransforms = "no transforms are sent";
-constexpr const char* kFrames = "a log has no frames";
-constexpr const char* kTopics = "a log has no topics";
+constexpr const char* kOfBag = "of a bag";
 constexpr const char* kNode = "about the node, not about localization";
 
 }  // namespace
@@ -23,7 +22,7 @@ const std::vector<Nav2Parameter>& nav2_parameters() {
       {"alpha5", "0.2", same, "motion.alpha5", "only motion.form: omni reads it"},
       {"always_reset_initial_pose", "false", none, "", "a run starts once"},
       {"autostart_node", "false", none, "", kNode},
-      {"base_frame_id", "base_footprint", none, "", kFrames},
+      {"base_frame_id", "base_footprint", same, "log.base_frame", kOfBag},
       {"beam_skip_distance", "0.5", same, "sensor.beam_skip_distance", ""},
       {"beam_skip_error_threshold", "0.9", same, "sensor.beam_skip_error_threshold", ""},
       {"beam_skip_threshold", "0.3", same, "sensor.beam_skip_threshold", ""},
@@ -31,7 +30,7 @@ const std::vector<Nav2Parameter>& nav2_parameters() {
       {"do_beamskip", "false", same, "sensor.do_beamskip", ""},
       {"first_map_only", "false", none, "", "a run has one map"},
       {"freespace_downsampling", "false", none, "", "free space takes no memory of its own here"},
-      {"global_frame_id", "map", none, "", kFrames},
+      {"global_frame_id", "map", none, "", "poses are in the map's frame, whatever its name"},
       {"initial_pose.x", "0.0", adapted, "--init", "with set_initial_pose: true, where --init is not given"},
       {"initial_pose.y", "0.0", adapted, "--init", "with set_initial_pose: true, where --init is not given"},
       {"initial_pose.yaw", "0.0", adapted, "--init",
@@ -45,11 +44,12 @@ const std::vector<Nav2Parameter>& nav2_parameters() {
       {"laser_min_range", "-1.0", adapted, "scan.laser_min_range",
        "where the log gives none: no floor under what it gives; -1: as the log says"},
       {"laser_model_type", "likelihood_field", adapted, "sensor.model", "the models have the same names"},
-      {"map_topic", "map", none, "", kTopics},
+      {"map_topic", "map", same, "log.map_topic", "where the map is in a bag"},
       {"max_beams", "60", same, "scan.max_beams", ""},
       {"max_particles", "2000", same, "max_particles", ""},
       {"min_particles", "500", same, "min_particles", ""},
-      {"odom_frame_id", "odom", none, "", kFrames},
+      {"odom_frame_id", "odom", adapted, "log.odometry_frame",
+       "of a bag; odom: a topic of odometry is read first, if there is one"},
       {"pf_err", "0.05", same, "kld.pf_err", ""},
       {"pf_z", "0.99", same, "kld.pf_z", "a normal quantile, as nav2 reads it"},
       {"random_seed", "-1", adapted, "seed", "below 0: parloc's, since a run is to be repeatable"},
@@ -60,7 +60,7 @@ const std::vector<Nav2Parameter>& nav2_parameters() {
       {"robot_model_type", "nav2_amcl::DifferentialMotionModel", adapted, "motion.form",
        "differential is thrun, omnidirectional is omni"},
       {"save_pose_rate", "0.5", none, "", "every pose is in the results"},
-      {"scan_topic", "scan", none, "", kTopics},
+      {"scan_topic", "scan", same, "log.scan_topic", kOfBag},
       {"service_introspection_mode", "disabled", none, "", kNode},
       {"set_initial_pose", "false", adapted, "--init",
        "true: start at initial_pose, where --init is not given"},

@@ -27,13 +27,14 @@ constexpr double kMostTilt_rad = 5.0 * kPi / 180.0;
 constexpr double kMostBearing_rad = 4.0 * kPi;
 // So many scans, over so long, are kept until somebody says where their LiDAR sits.
 constexpr std::size_t kMostUnplaced = 1000;
+constexpr std::size_t kMostWaitingBytes = std::size_t{64} << 20;  // of clouds
 constexpr double kLatestTransform_s = 10.0;
 
 class BagLog final : public LogReader {
  public:
   BagLog(const std::string& path, const LogChoice& choice)
       : name_(path), choice_(choice), bag_(open_bag(path)), base_frame_(choice.base_frame) {
-    roles_ = choose_topics(bag_->topics(), choice_, name_);
+    roles_ = choose_topics(*bag_, choice_, name_);
     std::vector<bool> wanted;
     for (const TopicRole role : roles_) wanted.push_back(role != TopicRole::none);
     from_transforms_ = std::find(roles_.begin(), roles_.end(), TopicRole::odometry) == roles_.end();
@@ -44,6 +45,7 @@ class BagLog final : public LogReader {
 
   bool next(LogRecord& record) override {
     while (!next_ready(record)) {
+      if (ended_ && placed_ > 0 && !any_scan_) throw input_error(name_, 0, joiner_.why_none());
       if (ended_) return false;
       BagMessage message;
       if (bag_->next(message)) {
@@ -57,16 +59,10 @@ class BagLog final : public LogReader {
   }
 
   const LogWarnings& warnings() const override {
-    warnings_ = counted_;
-    const BagFaults& faults = bag_->faults();
-    warnings_.broken_lines += faults.count;
-    for (const std::string& fault : faults.messages) tell(warnings_, fault);
-    for (const std::string& said : tree_.contradictions()) tell(warnings_, name_ + ": " + said);
-    const auto left_out = [&](std::size_t count, const char* when) {
-      if (count > 0) tell(warnings_, fmt::format("{}: {} scans {} are left out", name_, count, when));
-    };
-    left_out(joiner_.scans_before(), "before the first odometry");
-    left_out(joiner_.scans_after(), "after the last odometry");
+    const std::size_t seen = counted_.broken_lines + counted_.backward_stamps + counted_.beam_count_changes +
+                             bag_->faults().count + tree_.contradictions().size() + sensor_on_.size() +
+                             joiner_.scans_before() + joiner_.scans_after();
+    if (std::exchange(told_, seen) != seen) tell_all();
     return warnings_;
   }
 
@@ -80,6 +76,7 @@ class BagLog final : public LogReader {
     std::string cloud, encoding;
   };
 
+  void tell_all() const;
   bool next_ready(LogRecord& record);
   void take(const BagMessage& message);
   void take_scan(const LaserScanMessage& message, const std::string& topic);
@@ -115,6 +112,7 @@ class BagLog final : public LogReader {
   std::string base_frame_;        ///< Empty: nobody said it yet.
   TransformTree tree_;
   std::deque<Unplaced> unplaced_;
+  std::size_t waiting_bytes_ = 0;  ///< Of clouds among them.
   OdometryJoiner joiner_;
   std::deque<LogRecord> ready_;  ///< Without odometry.
   LaserScanMessage scan_message_;
@@ -122,11 +120,28 @@ class BagLog final : public LogReader {
   bool ended_ = false;
   std::size_t placed_ = 0;
   LogWarnings counted_;
-  mutable LogWarnings warnings_;
+  mutable LogWarnings warnings_;  ///< What warnings() said last, and how many troubles that were.
+  mutable std::size_t told_ = 0;
   std::map<std::string, std::size_t> beams_of_sensor_;
+  std::map<std::string, std::string> frame_of_sensor_, sensor_on_;  ///< And the first sensor above a frame.
   double last_scan_stamp_s_ = 0.0;
   bool any_scan_ = false;
 };
+
+void BagLog::tell_all() const {
+  warnings_ = counted_;
+  const BagFaults& faults = bag_->faults();
+  warnings_.broken_lines += faults.count;
+  for (const std::string& fault : faults.messages) tell(warnings_, fault);
+  for (const TransformTree::Contradiction& said : tree_.contradictions())
+    if (const auto sensor = sensor_on_.find(said.frame); sensor != sensor_on_.end())
+      warnings_.notes.push_back({LogNote::About::mount, sensor->second, said.text});
+  const auto left_out = [&](std::size_t count, const char* when) {
+    if (count > 0) tell(warnings_, fmt::format("{}: {} scans {} are left out", name_, count, when));
+  };
+  left_out(joiner_.scans_before(), "before the first odometry");
+  left_out(joiner_.scans_after(), "after the last odometry");
+}
 
 bool BagLog::next_ready(LogRecord& record) {
   if (!choice_.without_odometry) return joiner_.next(record);
@@ -162,6 +177,7 @@ void BagLog::take(const BagMessage& message) {
         waiting.frame = cloud.header.frame;
         waiting.cloud = message.bytes;
         waiting.encoding = topic.encoding;
+        waiting_bytes_ += waiting.cloud.size();
         unplaced_.push_back(std::move(waiting));
         break;
       }
@@ -250,6 +266,10 @@ bool BagLog::place(Unplaced& waiting) {
     const auto found = tree_.find(base_frame_, waiting.frame, record.stamp_s);
     if (!found) return false;
     T_base_sensor = *found;
+    if (std::string& known = frame_of_sensor_[scan.sensor]; known != waiting.frame) {
+      known = waiting.frame;
+      for (const std::string& frame : tree_.way_up(waiting.frame)) sensor_on_.emplace(frame, scan.sensor);
+    }
   }
   if (!waiting.cloud.empty()) {
     const PointCloudMessage cloud = read_point_cloud(MessageReader(waiting.cloud, waiting.encoding));
@@ -265,10 +285,7 @@ bool BagLog::place(Unplaced& waiting) {
                     "(within 5 degrees)",
                     printable(waiting.frame), mount.tilt_rad * 180.0 / kPi, printable(base_frame_)));
   scan.T_base_sensor = mount.T_base_sensor;
-  if (mount.upside_down) {
-    scan.angle_min_rad = -scan.angle_min_rad;
-    scan.angle_step_rad = -scan.angle_step_rad;
-  }
+  scan.upside_down = mount.upside_down;
   return true;
 }
 
@@ -286,12 +303,15 @@ void BagLog::place_scans() {
     } catch (const BrokenMessage& broken) {
       count_broken(broken.why);
     }
+    waiting_bytes_ -= waiting.cloud.size();
     unplaced_.pop_front();
   }
   if (unplaced_.empty()) return;
   const bool long_ago =
       unplaced_.back().record.stamp_s > unplaced_.front().record.stamp_s + kLatestTransform_s;
-  if (unplaced_.size() > kMostUnplaced || (long_ago && !base_frame_.empty())) throw why_unplaced();
+  if (unplaced_.size() > kMostUnplaced || waiting_bytes_ > kMostWaitingBytes ||
+      (long_ago && !base_frame_.empty()))
+    throw why_unplaced();
 }
 
 Error BagLog::no_place(const Unplaced& scan) const {
@@ -324,8 +344,7 @@ Error BagLog::no_odometry() const {
 void BagLog::end() {
   ended_ = true;
   joiner_.finish();
-  if (unplaced_.empty()) return;
-  throw why_unplaced();
+  if (!unplaced_.empty()) throw why_unplaced();
 }
 
 void BagLog::count_scan(const LogRecord& record) {

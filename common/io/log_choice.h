@@ -12,6 +12,9 @@ struct LogChoice {
   std::string odometry_topic;  ///< Empty: the only one there is, else transforms.
   std::string odometry_frame;  ///< Whose transforms are the odometry, if no topic is. Empty: "odom".
   std::string base_frame;      ///< Whose pose is estimated. Empty: the odometry's child frame.
+  std::string map_topic;       ///< Empty: the only one there is.
+  std::string truth_topic;     ///< Poses; empty: the only topic of them there is.
+  std::string truth_frame;     ///< True poses are where the base is in it, by /tf. Empty: those of the topic.
   double cloud_low = 0.1,
          cloud_high = 1.0;             ///< What of a cloud of points is a scan: height over the base [m].
   std::vector<std::string> mounted{};  ///< Sensors whose place on the robot is known without the log.

@@ -1,5 +1,7 @@
 #include "common/io/odometry_joiner.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <iterator>
 #include <utility>
@@ -14,6 +16,7 @@ constexpr std::size_t kClockWasSet = 10;
 }  // namespace
 
 void OdometryJoiner::add_odometry(double stamp_s, const Pose& odometry, std::size_t line) {
+  odometry_times_.add(stamp_s);
   if (!readings_.empty() && stamp_s < readings_.front().stamp_s) {
     // Older than all that is remembered: a straggler, unless it goes on so. Then the clock was set back.
     if (++stale_in_a_row_ < kClockWasSet) return;
@@ -23,7 +26,6 @@ void OdometryJoiner::add_odometry(double stamp_s, const Pose& odometry, std::siz
     given_ = 0;
   }
   stale_in_a_row_ = 0;
-  ++taken_;
   auto at = readings_.end();
   while (at != readings_.begin() && std::prev(at)->stamp_s > stamp_s) --at;
   const auto index = static_cast<std::size_t>(at - readings_.begin());
@@ -32,6 +34,7 @@ void OdometryJoiner::add_odometry(double stamp_s, const Pose& odometry, std::siz
 }
 
 void OdometryJoiner::add_scan(LogRecord scan) {
+  scan_times_.add(scan.stamp_s);
   if (scans_.size() >= kMostScans) {
     ++after_;
     scans_.pop_front();
@@ -39,6 +42,15 @@ void OdometryJoiner::add_scan(LogRecord scan) {
   auto at = scans_.end();
   while (at != scans_.begin() && std::prev(at)->stamp_s > scan.stamp_s) --at;
   scans_.insert(at, std::move(scan));
+}
+
+std::string OdometryJoiner::why_none() const {
+  const auto text = [](const Times& times) {
+    return fmt::format("from {:.3f} to {:.3f} s", times.first_s, times.last_s);
+  };
+  if (!odometry_times_.any) return "expected odometry, found scans alone";
+  return fmt::format("no scan lies between two readings of the odometry: scans {}, odometry {}",
+                     text(scan_times_), text(odometry_times_));
 }
 
 // The next reading that has not come out, if it is of before that time.

@@ -1,8 +1,10 @@
 // Gives scans that came without odometry the odometry at their time.
 #pragma once
 
+#include <algorithm>
 #include <cstddef>
 #include <deque>
+#include <string>
 
 #include "common/io/log.h"
 #include "common/model/trajectory.h"
@@ -22,9 +24,11 @@ class OdometryJoiner {
   /// False: more has to go in first, or there is no more.
   bool next(LogRecord& record);
 
-  std::size_t scans_before() const { return before_; }  ///< Left out: older than any reading.
-  std::size_t scans_after() const { return after_; }    ///< Left out: younger than the last reading.
-  std::size_t readings() const { return taken_; }
+  std::size_t scans_before() const { return before_; }         ///< Left out: older than any reading.
+  std::size_t scans_after() const { return after_; }           ///< Left out: younger than the last reading.
+  std::size_t remembered() const { return readings_.size(); }  ///< Readings.
+  /// Why no scan came out though scans and the end went in: one line with both times.
+  std::string why_none() const;
   double longest_gap_s() const { return longest_gap_s_; }  ///< Between two readings with a scan between.
 
  private:
@@ -41,8 +45,18 @@ class OdometryJoiner {
   std::size_t given_ = 0;         ///< The first so many of them have come out, or lie before a scan that has.
   std::deque<LogRecord> scans_;
   bool finished_ = false;
-  std::size_t before_ = 0, after_ = 0, taken_ = 0, stale_in_a_row_ = 0;
+  std::size_t before_ = 0, after_ = 0, stale_in_a_row_ = 0;
   double longest_gap_s_ = 0.0;
+  struct Times {
+    double first_s = 0.0, last_s = 0.0;
+    bool any = false;
+    void add(double stamp_s) {
+      first_s = any ? std::min(first_s, stamp_s) : stamp_s;
+      last_s = any ? std::max(last_s, stamp_s) : stamp_s;
+      any = true;
+    }
+  };
+  Times odometry_times_, scan_times_;
 };
 
 }  // namespace parloc

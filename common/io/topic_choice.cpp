@@ -1,9 +1,9 @@
 #include "common/io/topic_choice.h"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <algorithm>
-#include <initializer_list>
 
 #include "common/error.h"
 #include "common/file/nearest_name.h"
@@ -34,12 +34,20 @@ std::vector<std::string> names_in(const std::string& list) {
 
 /// The topics of these types.
 std::vector<std::size_t> of_types(const std::vector<BagTopic>& topics,
-                                  std::initializer_list<const char*> types) {
+                                  const std::vector<std::string>& types) {
   std::vector<std::size_t> found;
   for (std::size_t k = 0; k < topics.size(); ++k)
-    for (const char* type : types)
-      if (topics[k].type == type) found.push_back(k);
+    if (std::find(types.begin(), types.end(), topics[k].type) != types.end()) found.push_back(k);
   return found;
+}
+
+/// Those that have messages, if any of them has.
+std::vector<std::size_t> with_messages(const BagReader& bag, const std::vector<std::size_t>& which) {
+  if (which.size() < 2) return which;
+  std::vector<std::size_t> filled;
+  for (const std::size_t k : which)
+    if (!bag.is_empty(k)) filled.push_back(k);
+  return filled.empty() ? which : filled;
 }
 
 std::string list_text(const std::vector<BagTopic>& topics, const std::vector<std::size_t>& which) {
@@ -60,33 +68,33 @@ std::string all_text(const std::vector<BagTopic>& topics) {
 }
 
 /// The topic of that name among those that have one of the types.
-std::size_t named(const std::vector<BagTopic>& topics, const std::string& name, const char* option,
-                  std::initializer_list<const char*> types, const std::string& bag_name) {
-  const std::string wanted = with_slash(name);
+std::size_t named(const std::vector<BagTopic>& topics, const std::string& bag_name, const TopicWish& wish) {
+  const std::string wanted = with_slash(wish.name);
   std::vector<std::string> names;
   for (std::size_t k = 0; k < topics.size(); ++k) {
-    const bool fits = std::find(types.begin(), types.end(), topics[k].type) != types.end();
-    if (with_slash(topics[k].name) == wanted && fits) return k;
-    if (with_slash(topics[k].name) == wanted)
-      throw input_error(bag_name, 0,
-                        fmt::format("{} {}: expected {}, found {}", option, wanted, *types.begin(),
-                                    printable(topics[k].type)));
     names.push_back(topics[k].name);
+    if (with_slash(topics[k].name) != wanted) continue;
+    if (std::find(wish.types.begin(), wish.types.end(), topics[k].type) != wish.types.end()) return k;
+    throw input_error(bag_name, 0,
+                      fmt::format("{} {}: expected {}, found {}", wish.option, printable(wanted),
+                                  wish.types.front(), printable(topics[k].type)));
   }
   const std::string nearest(names.empty() ? std::string_view{} : nearest_name(wanted, names));
   throw input_error(bag_name, 0,
-                    fmt::format("{} {}: no such topic{}; there are {}", option, printable(wanted),
+                    fmt::format("{} {}: no such topic{}; there are {}", wish.option, printable(wanted),
                                 nearest.empty() ? "" : fmt::format(", did you mean {}?", printable(nearest)),
                                 all_text(topics)));
 }
 
-std::vector<std::size_t> choose_scans(const std::vector<BagTopic>& topics, const LogChoice& choice,
+std::vector<std::size_t> choose_scans(const BagReader& bag, const LogChoice& choice,
                                       const std::string& bag_name) {
+  const std::vector<BagTopic>& topics = bag.topics();
   std::vector<std::size_t> chosen;
   for (const std::string& name : names_in(choice.scan_topic))
-    chosen.push_back(named(topics, name, "--scan-topic", {kLaserScan, kMultiEcho, kCloud}, bag_name));
+    chosen.push_back(
+        named(topics, bag_name, {name, "--scan-topic", "scans", {kLaserScan, kMultiEcho, kCloud}}));
   if (!chosen.empty()) return chosen;
-  const std::vector<std::size_t> scans = of_types(topics, {kLaserScan, kMultiEcho});
+  const std::vector<std::size_t> scans = with_messages(bag, of_types(topics, {kLaserScan, kMultiEcho}));
   if (scans.size() == 1) return scans;
   if (scans.size() > 1)
     throw input_error(
@@ -106,12 +114,14 @@ std::vector<std::size_t> choose_scans(const std::vector<BagTopic>& topics, const
 }
 
 /// None: transforms are the odometry.
-std::optional<std::size_t> choose_odometry(const std::vector<BagTopic>& topics, const LogChoice& choice,
+std::optional<std::size_t> choose_odometry(const BagReader& bag, const LogChoice& choice,
                                            const std::string& bag_name) {
+  const std::vector<BagTopic>& topics = bag.topics();
   if (!choice.odometry_topic.empty())
-    return named(topics, choice.odometry_topic, "--odom-topic", {kOdometry}, bag_name);
-  const std::vector<std::size_t> found = of_types(topics, {kOdometry});
-  if (found.empty() || !choice.odometry_frame.empty()) return std::nullopt;
+    return named(topics, bag_name, {choice.odometry_topic, "--odom-topic", "odometry", {kOdometry}});
+  const std::vector<std::size_t> found = with_messages(bag, of_types(topics, {kOdometry}));
+  if (found.empty() || (found.size() == 1 && bag.is_empty(found.front())) || !choice.odometry_frame.empty())
+    return std::nullopt;
   if (found.size() > 1)
     throw input_error(
         bag_name, 0,
@@ -126,18 +136,41 @@ std::string sensor_name(const std::string& topic) {
   return topic.empty() || topic.front() != '/' ? topic : topic.substr(1);
 }
 
-std::vector<TopicRole> choose_topics(const std::vector<BagTopic>& topics, const LogChoice& choice,
+std::size_t choose_topic(const BagReader& bag, const std::string& bag_name, const TopicWish& wish) {
+  const std::vector<BagTopic>& topics = bag.topics();
+  if (!wish.name.empty()) return named(topics, bag_name, wish);
+  const std::vector<std::size_t> found = with_messages(bag, of_types(topics, wish.types));
+  if (found.size() == 1) return found.front();
+  if (found.empty())
+    throw input_error(bag_name, 0,
+                      fmt::format("expected {}: a topic of {}, found {}", wish.what,
+                                  fmt::join(wish.types, " or "), all_text(topics)));
+  throw input_error(bag_name, 0,
+                    fmt::format("{} topics hold {}: {}; choose with {}", found.size(), wish.what,
+                                list_text(topics, found), wish.option));
+}
+
+bool holds_transforms(const BagTopic& topic) {
+  return topic.type == "tf2_msgs/TFMessage" || topic.type == "tf/tfMessage";
+}
+
+bool holds_fixed_transforms(const BagTopic& topic) {
+  return holds_transforms(topic) && topic.name.ends_with("tf_static");
+}
+
+std::vector<TopicRole> choose_topics(const BagReader& bag, const LogChoice& choice,
                                      const std::string& bag_name) {
+  const std::vector<BagTopic>& topics = bag.topics();
   std::vector<TopicRole> roles(topics.size(), TopicRole::none);
-  for (const std::size_t k : choose_scans(topics, choice, bag_name))
+  for (const std::size_t k : choose_scans(bag, choice, bag_name))
     roles[k] = topics[k].type == kLaserScan   ? TopicRole::scan
                : topics[k].type == kMultiEcho ? TopicRole::multi_echo_scan
                                               : TopicRole::cloud;
-  if (const auto k = choose_odometry(topics, choice, bag_name)) roles[*k] = TopicRole::odometry;
+  if (const auto k = choose_odometry(bag, choice, bag_name)) roles[*k] = TopicRole::odometry;
   bool transforms = false;
   for (std::size_t k = 0; k < topics.size(); ++k) {
-    if (topics[k].type != "tf2_msgs/TFMessage" && topics[k].type != "tf/tfMessage") continue;
-    const bool fixed = topics[k].name.ends_with("tf_static");
+    if (!holds_transforms(topics[k])) continue;
+    const bool fixed = holds_fixed_transforms(topics[k]);
     roles[k] = fixed ? TopicRole::fixed_transforms : TopicRole::transforms;
     transforms = transforms || !fixed;
   }

@@ -63,13 +63,23 @@ OdometryMessage read_odometry(MessageReader in) {
   return odometry;
 }
 
+namespace {
+void read_next_transform(MessageReader& in, TransformMessage& transform) {
+  transform.header = read_header(in);
+  transform.child_frame = frame_name(in.text());
+  transform.T_parent_child = read_pose(in);
+}
+}  // namespace
+
+TransformMessage read_transform(MessageReader in) {
+  TransformMessage transform;
+  read_next_transform(in, transform);
+  return transform;
+}
+
 std::vector<TransformMessage> read_transforms(MessageReader in) {
   std::vector<TransformMessage> transforms(in.count(64));
-  for (TransformMessage& transform : transforms) {
-    transform.header = read_header(in);
-    transform.child_frame = frame_name(in.text());
-    transform.T_parent_child = read_pose(in);
-  }
+  for (TransformMessage& transform : transforms) read_next_transform(in, transform);
   return transforms;
 }
 

@@ -48,6 +48,8 @@ struct TransformMessage {
   std::string child_frame;
   RigidTransform T_parent_child;
 };
+/// geometry_msgs/TransformStamped.
+TransformMessage read_transform(MessageReader in);
 /// tf2_msgs/TFMessage and tf/tfMessage; with quaternions as they were written.
 std::vector<TransformMessage> read_transforms(MessageReader in);
 
@@ -61,7 +63,7 @@ PoseMessage read_pose_stamped(MessageReader in);
 /// nav_msgs/OccupancyGrid.
 struct OccupancyGridMessage {
   MessageHeader header;
-  double resolution_m = 0.0;
+  float resolution_m = 0.0f;
   std::uint32_t width = 0, height = 0;
   RigidTransform origin;
   std::vector<std::int8_t> cells;  ///< Row by row from the origin: -1 unknown, 0 free to 100 occupied.

@@ -36,8 +36,9 @@ void TransformTree::contradict(const std::string& name, Frame& frame, const Rigi
                                const RigidTransform& said) {
   if (frame.contradicted || !differ(fixed, said)) return;
   frame.contradicted = true;
-  contradictions_.push_back(fmt::format("{} sits in {} at {} and at {}: the second is used", printable(name),
-                                        printable(frame.parent), place_text(fixed), place_text(said)));
+  contradictions_.push_back(
+      {name, fmt::format("{} sits in {} at {} and at {}: the second is used", printable(name),
+                         printable(frame.parent), place_text(fixed), place_text(said))});
 }
 
 void TransformTree::add(const TransformMessage& transform, bool is_static) {
@@ -112,6 +113,11 @@ bool TransformTree::knows(const std::string& frame) const {
   if (frames_.count(frame) != 0) return true;
   return std::any_of(frames_.begin(), frames_.end(),
                      [&](const auto& entry) { return entry.second.parent == frame; });
+}
+
+bool TransformTree::moves(const std::string& frame) const {
+  const auto at = frames_.find(frame);
+  return at != frames_.end() && !at->second.moving.empty();
 }
 
 std::string TransformTree::parent_of(const std::string& frame) const {

@@ -25,6 +25,8 @@ class TransformTree {
   std::optional<RigidTransform> find(const std::string& target, const std::string& source,
                                      double stamp_s) const;
   bool knows(const std::string& frame) const;
+  /// Whether /tf says where it is in its parent.
+  bool moves(const std::string& frame) const;
   /// Empty if it has none.
   std::string parent_of(const std::string& frame) const;
   /// The frame on the chain from `frame` upwards whose parent is `ancestor`; empty if there is none.
@@ -32,8 +34,13 @@ class TransformTree {
   std::vector<std::string> frames() const;
 
   std::size_t refused() const { return refused_; }
-  /// One line for each frame of which different static places were said.
-  const std::vector<std::string>& contradictions() const { return contradictions_; }
+  /// One for each frame of which two places were said as if it did not move.
+  struct Contradiction {
+    std::string frame, text;  ///< One line for people.
+  };
+  const std::vector<Contradiction>& contradictions() const { return contradictions_; }
+  /// The frame, its parent, and so on.
+  std::vector<std::string> way_up(const std::string& frame) const;
 
  private:
   struct Stamped {
@@ -49,11 +56,10 @@ class TransformTree {
   void contradict(const std::string& name, Frame& frame, const RigidTransform& fixed,
                   const RigidTransform& said);
   RigidTransform at(const Frame& frame, double stamp_s) const;
-  std::vector<std::string> way_up(const std::string& frame) const;
 
   std::map<std::string, Frame> frames_;  ///< By the child's name.
   std::size_t refused_ = 0;
-  std::vector<std::string> contradictions_;
+  std::vector<Contradiction> contradictions_;
 };
 
 }  // namespace parloc

@@ -168,6 +168,7 @@ struct Changer {
                                      : between);
   }
   void operator()(const FlagSetting& flag) const { flag.set(!*flag.get()); }
+  void operator()(const TextSetting& text) const { *text.text = "/robot1/scan"; }
   void operator()(const ChoiceSetting& choice) const {
     const bool is_first = choice.name() == std::string(choice.names.front().first);
     choice.choose(is_first ? choice.names.size() - 1 : 0);

@@ -83,18 +83,22 @@ TEST(Nav2Config, WhatMeansTheSameIsTaken) {
   EXPECT_EQ(c.update_min_a, 0.2);
   EXPECT_FALSE(file.nav2_start);
   EXPECT_EQ(file.lines.size(), 38u);
-  EXPECT_EQ(count(file, Nav2Line::Kind::no_meaning), 10u);
+  EXPECT_EQ(count(file, Nav2Line::Kind::no_meaning), 7u);
+  EXPECT_EQ(c.log.scan_topic, "scan");
+  EXPECT_EQ(c.log.base_frame, "base_footprint");
+  EXPECT_EQ(c.log.odometry_frame, "");
   EXPECT_EQ(count(file, Nav2Line::Kind::unknown), 0u);
   EXPECT_EQ(told(file, "sigma_hit"), "sensor.sigma_hit: 0.19");
   EXPECT_EQ(told(file, "laser_max_range"), "scan.laser_max_range: 100 (where the log gives none)");
   EXPECT_EQ(told(file, "z_short"), "only laser_model_type: beam reads it, in nav2 too");
-  EXPECT_EQ(told(file, "odom_frame_id"), "a log has no frames");
+  EXPECT_EQ(told(file, "odom_frame_id"), "as it is without");
+  EXPECT_EQ(told(file, "scan_topic"), "log.scan_topic: \"scan\"");
   EXPECT_EQ(
       nav2_summary(file, "n.yaml"),
       (std::vector<std::string>{
-          "n.yaml: nav2's settings of /amcl: 28 parameters taken; parloc config --config n.yaml lists them",
-          "n.yaml: 10 have no meaning here: use_sim_time, base_frame_id, global_frame_id, odom_frame_id, "
-          "save_pose_rate, tf_broadcast, transform_tolerance, z_max, ..."}));
+          "n.yaml: nav2's settings of /amcl: 31 parameters taken; parloc config --config n.yaml lists them",
+          "n.yaml: 7 have no meaning here: use_sim_time, global_frame_id, save_pose_rate, tf_broadcast, "
+          "transform_tolerance, z_max, z_short"}));
   // What was translated is a configuration that reads back as itself.
   EXPECT_EQ(config_to_yaml(config_from_text(config_to_yaml(c), "printed")), config_to_yaml(c));
 }

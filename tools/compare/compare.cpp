@@ -14,6 +14,7 @@
 #include "common/config/config.h"
 #include "common/error.h"
 #include "common/file/output_file.h"
+#include "common/io/open_map.h"
 #include "common/map/map_reader.h"
 #include "common/simulator/scenario.h"
 #include "tools/compare/comparison.h"
@@ -33,13 +34,14 @@ constexpr double kLongest_s = 1e6, kFarthest_m = 1e4;
 struct CompareOptions {
   std::string filters, scenario, log, truth, map, config, seeds, seed, duration, sigma, start_error, kidnap,
       kappa, people, jobs, out;
+  ConfigOptions of_log;  ///< Only what add_log_options() adds.
   bool quiet = false;
 };
 
 void declare(CLI::App& app, CompareOptions& o) {
   add_text_option(app, "--filters", o.filters, "LIST", "KIND[@PARTICLES][=CONFIG.yaml],... (all kinds)");
   add_text_option(app, "--scenario", o.scenario, "S.yaml", "Simulate its drive, anew for every seed");
-  add_text_option(app, "--log", o.log, "LOG", "Or take a recorded log ...");
+  add_log_options(app, o.of_log, o.log, "Or take a recorded log ...");
   add_text_option(app, "--truth", o.truth, "T.tum", "... with its true path");
   add_text_option(app, "--map", o.map, "M.yaml", "Map to localize on (the scenario's)");
   add_text_option(app, "--config", o.config, "C.yaml", "Settings that all filters start from");
@@ -115,7 +117,9 @@ compare::StartPlan start_of(const CompareOptions& o) {
 }
 
 Config base_config(const CompareOptions& o) {
-  return o.config.empty() ? Config{} : read_config(o.config);
+  Config config = o.config.empty() ? Config{} : read_config(o.config);
+  say_of_log(config, o.of_log);
+  return config;
 }
 
 compare::Request request_of(const CompareOptions& o) {
@@ -200,7 +204,7 @@ int run(const CompareOptions& o, const std::string& typed) {
   c.request = request_of(o);
   const LogSource source = source_of(o, c);
   c.source = source.what;
-  const GridMap map = read_map(c.map_path);
+  const GridMap map = open_map(c.map_path, log_choice(base_config(o)));
   check_walls(map, c.map_path);
   c.published = published_for(o, c, map);
   std::unique_ptr<OutputFolder> out;

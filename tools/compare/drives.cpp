@@ -9,6 +9,7 @@
 
 #include "common/error.h"
 #include "common/eval/metrics.h"
+#include "common/io/open_truth.h"
 #include "common/simulator/drive.h"
 #include "common/simulator/simulator.h"
 
@@ -104,7 +105,7 @@ LogSource recorded_drives(const DrivePlan& plan, const std::string& log, const L
                           const std::string& truth) {
   TrialLog whole;
   std::size_t broken_lines = 0;
-  whole.truth = read_tum(truth);
+  whole.truth = open_truth(truth, choice);
   whole.records = read_whole_log(log, choice, broken_lines);
   trim(whole, plan, truth);
   const auto log_of = [=](std::uint64_t seed) {

@@ -16,6 +16,7 @@
 #include "common/config/config.h"
 #include "common/error.h"
 #include "common/file/output_file.h"
+#include "common/io/open_map.h"
 #include "common/map/map_reader.h"
 #include "common/simulator/scenario.h"
 #include "tools/evaluate/evaluation.h"
@@ -44,7 +45,7 @@ struct EvaluateOptions {
 
 void declare(CLI::App& app, EvaluateOptions& o) {
   add_text_option(app, "--scenario", o.scenario, "S.yaml", "Simulate its LiDAR, odometry and clutter");
-  add_text_option(app, "--log", o.log, "LOG", "Or take a recorded log, ...");
+  add_log_options(app, o.filter, o.log, "Or take a recorded log, ...");
   add_text_option(app, "--truth", o.truth, "T.tum", "... with its true path, from --starts K times (20)");
   add_text_option(app, "--starts", o.starts, "K", "Spread over the log")->group("");
   add_text_option(app, "--map", o.map, "M.yaml", "Map to localize on (the scenario's)");
@@ -274,7 +275,7 @@ int run(const EvaluateOptions& o, const std::string& typed) {
   const LogSource source = source_of(o, e);
   e.source = source.what;
   e.jobs = static_cast<int>(std::min<std::size_t>(static_cast<std::size_t>(jobs_of(o)), e.wanted));
-  const GridMap map = read_map(e.map_path);
+  const GridMap map = open_map(e.map_path, log_choice(e.config));
   catch_interrupts();  // before there is a folder to leave behind
   std::unique_ptr<OutputFolder> out;
   if (!o.out.empty()) out = std::make_unique<OutputFolder>(o.out, std::vector<std::string>{kJson, kPage});

@@ -11,6 +11,7 @@
 
 #include "common/error.h"
 #include "common/eval/metrics.h"
+#include "common/io/open_truth.h"
 #include "common/simulator/wander.h"
 #include "tools/program/run_items.h"
 
@@ -32,7 +33,7 @@ LogSource simulated_trials(const TrialPlan& plan, const Scenario& scenario, cons
 }
 
 LogSource recorded_trials(const RecordedPlan& plan) {
-  const Trajectory truth = read_tum(plan.truth);
+  const Trajectory truth = open_truth(plan.truth, plan.choice);
   std::size_t broken_lines = 0;
   const std::vector<LogRecord> records = read_whole_log(plan.log, plan.choice, broken_lines);
   std::vector<double> stamps;

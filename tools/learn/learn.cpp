@@ -13,8 +13,8 @@
 #include "common/error.h"
 #include "common/file/output_file.h"
 #include "common/io/open_log.h"
-#include "common/io/trajectory.h"
-#include "common/map/map_reader.h"
+#include "common/io/open_map.h"
+#include "common/io/open_truth.h"
 #include "common/model/model_settings.h"
 #include "tools/learn/learn.h"
 #include "tools/learn/odometry_delay.h"
@@ -96,9 +96,9 @@ std::string delay_text(const std::optional<OdometryDelay>& delay) {
 }
 
 RangePairsOfLog collect(const LearnOptions& o, const Config& config) {
-  const GridMap map = read_map(o.map);
+  const GridMap map = open_map(o.map, log_choice(config));
   const std::unique_ptr<LogReader> log = open_log(o.log, log_choice(config));
-  const Trajectory truth = read_tum(o.truth);
+  const Trajectory truth = open_truth(o.truth, log_choice(config));
   Progress progress(o.quiet);
   const RangePairsOfLog found = collect_range_pairs(map, *log, truth, config, [&](double fraction) {
     progress.update(fraction);
@@ -130,7 +130,8 @@ int run(const LearnOptions& o, const std::string& typed) {
   Config learned = config;
   learned.sensor = with_mixture(config.sensor, fit.mixture);
   validate(learned);
-  const std::optional<OdometryDelay> delay = estimate_odometry_delay(found.odometry, read_tum(o.truth));
+  const std::optional<OdometryDelay> delay =
+      estimate_odometry_delay(found.odometry, open_truth(o.truth, log_choice(config)));
   std::string block = sensor_block(learned.sensor, typed);
   if (delay && delay->significant()) block += motion_block(*delay);
   replace_file(out.staged(kConfig), block);

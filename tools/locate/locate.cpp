@@ -16,9 +16,9 @@
 #include "common/file/output_file.h"
 #include "common/filter/filter_settings.h"
 #include "common/io/open_log.h"
+#include "common/io/open_map.h"
 #include "common/io/scan_file.h"
 #include "common/io/scan_stream.h"
-#include "common/map/map_reader.h"
 #include "common/model/beams.h"
 #include "common/model/lidar.h"
 #include "common/search/global_search.h"
@@ -179,7 +179,7 @@ int locate(const LocateOptions& o, const std::string&) {
   const Config config = effective_config(o);
   const SearchConfig searching = search_config(o, config);
   const SearchPrior prior = parse_search_prior(o.near, o.heading);
-  const GridMap map = read_map(o.map);
+  const GridMap map = open_map(o.map, log_choice(config));
   print_notes(map.notes);
   const ChosenScan chosen = choose_scan(o, config);
   std::unique_ptr<OutputFolder> out;

@@ -15,9 +15,11 @@
 #include <utility>
 #include <vector>
 
+#include "common/bag/open_bag.h"
 #include "common/error.h"
 #include "common/file/input_file.h"
 #include "common/file/output_file.h"
+#include "common/io/bag_map.h"
 #include "common/map/check/known_part.h"
 #include "common/map/check/map_findings.h"
 #include "common/map/grid_map.h"
@@ -47,8 +49,9 @@ struct LoadedMap {
   std::vector<std::string> findings = {};  ///< Of a grid's image: what does not fit together.
 };
 
-/// As read_map(); `resolution_m` replaces that of a segment map and has no effect on others.
+/// As open_map(); `resolution_m` replaces that of a segment map and has no effect on others.
 LoadedMap load_map(const std::string& path, std::optional<double> resolution_m = {}) {
+  if (is_bag(path)) return {read_bag_map(path, {}), {}};
   const std::string text = read_input_file(path, path, kLongestSegmentFile + 1);
   if (!is_segment_text(text, path)) {
     ImageMap read = read_image_map(text, path);

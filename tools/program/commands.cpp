@@ -10,6 +10,7 @@
 #include <string>
 #include <variant>
 
+#include "common/bag/open_bag.h"
 #include "common/config/config.h"
 #include "common/config/config_settings.h"
 #include "common/config/nav2_config.h"
@@ -44,13 +45,41 @@ CLI::Option* add_log_options(CLI::App& app, ConfigOptions& o, std::string& log, 
   add_text_option(app, "--odom-topic", o.odometry_topic, "TOPIC", "Odometry of a bag")->group("");
   add_text_option(app, "--odom-frame", o.odometry_frame, "FRAME", "Its transforms are the odometry (odom)")
       ->group("");
+  add_text_option(app, "--map-topic", o.map_topic, "TOPIC", "The map of a bag")->group("");
+  add_text_option(app, "--truth-topic", o.truth_topic, "TOPIC", "True poses of a bag")->group("");
+  add_text_option(app, "--truth-frame", o.truth_frame, "FRAME", "True poses: of the robot in it, by /tf")
+      ->group("");
   add_text_option(app, "--base-frame", o.base_frame, "FRAME", "The robot's (the odometry's child)")
       ->group("");
   return option;
 }
 
+std::string map_or_log(const std::string& map, const std::string& log) {
+  if (!map.empty()) return map;
+  if (is_bag(log)) return log;
+  throw Error(ErrorKind::usage, "expected --map M.yaml: only a bag may have its map in it");
+}
+
+std::string truth_or_log(const std::string& truth, const std::string& log, const Config& config) {
+  const bool in_log = !config.log.truth_topic.empty() || !config.log.truth_frame.empty();
+  return truth.empty() && in_log ? log : truth;
+}
+
 void print_notes(const std::vector<std::string>& notes) {
   for (const std::string& note : notes) std::fprintf(stderr, "parloc: note: %s\n", note.c_str());
+}
+
+void say_of_log(Config& config, const ConfigOptions& o) {
+  const auto say = [](std::string& setting, const std::string& option) {
+    if (!option.empty()) setting = option;
+  };
+  say(config.log.scan_topic, fmt::format("{}", fmt::join(o.scan_topics, ",")));
+  say(config.log.odometry_topic, o.odometry_topic);
+  say(config.log.odometry_frame, o.odometry_frame);
+  say(config.log.base_frame, o.base_frame);
+  say(config.log.map_topic, o.map_topic);
+  say(config.log.truth_topic, o.truth_topic);
+  say(config.log.truth_frame, o.truth_frame);
 }
 
 Config effective_config(const ConfigOptions& o, const std::function<void(Config&)>& change,
@@ -67,13 +96,7 @@ Config effective_config(const ConfigOptions& o, const std::function<void(Config&
         std::min(config.scan.min_beams, config.scan.max_beams);  // so few are meant to be used
   }
   if (o.backend) config.backend = *o.backend;
-  const auto say = [](std::string& setting, const std::string& option) {
-    if (!option.empty()) setting = option;
-  };
-  say(config.log.scan_topic, fmt::format("{}", fmt::join(o.scan_topics, ",")));
-  say(config.log.odometry_topic, o.odometry_topic);
-  say(config.log.odometry_frame, o.odometry_frame);
-  say(config.log.base_frame, o.base_frame);
+  say_of_log(config, o);
   if (change) change(config);
   try {
     validate(config);

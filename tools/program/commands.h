@@ -97,8 +97,17 @@ struct ConfigOptions {
   std::string config, device, threads, seed, beams;
   std::vector<std::string> scan_topics;                    // of a bag
   std::string odometry_topic, odometry_frame, base_frame;  // of a bag
+  std::string map_topic, truth_topic, truth_frame;         // of a bag
   std::optional<BackendChoice> backend;
 };
+
+/// Puts what the options of add_log_options() say into the configuration.
+void say_of_log(Config& config, const ConfigOptions& options);
+/// Where the map is: where --map says, else in the log, if that is a bag. Throws Error{usage} if it is none.
+std::string map_or_log(const std::string& map, const std::string& log);
+/// Where the true poses are: where --truth says, else in the log, if its topic or frame is said; else
+/// nowhere.
+std::string truth_or_log(const std::string& truth, const std::string& log, const Config& config);
 
 /// --log LOG, and the options for what is read of a bag, which its errors name and docs/bags.md explains.
 CLI::Option* add_log_options(CLI::App& app, ConfigOptions& options, std::string& log,

@@ -19,7 +19,9 @@
 #include "common/file/output_file.h"
 #include "common/filter/filter_settings.h"
 #include "common/io/open_log.h"
-#include "common/map/map_reader.h"
+#include "common/io/open_map.h"
+#include "common/io/open_truth.h"
+#include "common/io/trajectory.h"
 #include "tools/program/commands.h"
 #include "tools/program/note_teller.h"
 #include "tools/program/output_folder.h"
@@ -44,9 +46,9 @@ struct RunOptions : ConfigOptions {
 };
 
 void declare(CLI::App& app, RunOptions& o) {
-  add_text_option(app, "--map", o.map, "M.yaml", "ROS map_server YAML")->required();
+  add_text_option(app, "--map", o.map, "M.yaml", "ROS map_server YAML, or a bag (the log, if a bag)");
   add_log_options(app, o, o.log)->required();
-  add_text_option(app, "--truth", o.truth, "T.tum", "True trajectory, TUM (--relations R.txt: relations)");
+  add_text_option(app, "--truth", o.truth, "T.tum", "True poses: TUM, CARMEN, bag (--relations R.txt: relations)");
   add_text_option(app, "--relations", o.relations, "R.txt", "True relations between scans")->group("");
   add_text_option(app, "--config", o.config, "C.yaml", "Settings over the defaults");
   add_text_option(app, "--init", o.init, "START", "x,y,theta[,sx,sy,st] (again: or there), or global")
@@ -156,14 +158,16 @@ int run(const RunOptions& given, const std::string& typed) {
       {}, &nav2_start);
   if (o.init.empty() && nav2_start)
     o.init = {fmt::format("{},{},{}", nav2_start->x_m, nav2_start->y_m, nav2_start->theta_rad)};
+  o.map = map_or_log(o.map, o.log);
+  o.truth = truth_or_log(o.truth, o.log, request.config);
   request.log_name = o.log;
   request.strict = o.strict;
   request.odometry_only = o.odometry_only;
   request.start = start_of(o, request.config);
-  const GridMap map = read_map(o.map);
+  const GridMap map = open_map(o.map, log_choice(request.config));
   print_notes(map.notes);
   const std::unique_ptr<LogReader> log = open_log(o.log, log_choice(request.config));
-  if (!o.truth.empty()) request.truth = read_tum(o.truth);
+  if (!o.truth.empty()) request.truth = open_truth(o.truth, log_choice(request.config));
   const std::vector<Relation> relations =
       o.relations.empty() ? std::vector<Relation>{} : read_relations(o.relations);
   OutputFolder out(o.out, {kTrajectory, kPosesCsv, kPosesJsonl, kMetrics, kReport, kPicture, kErrors});

@@ -14,6 +14,7 @@
 #include "common/file/output_file.h"
 #include "common/filter/filter_settings.h"
 #include "common/io/open_log.h"
+#include "common/io/open_truth.h"
 #include "common/map/map_reader.h"
 #include "common/slam/slam_settings.h"
 #include "tools/program/commands.h"
@@ -39,7 +40,7 @@ struct SlamOptions : ConfigOptions {
 void declare(CLI::App& app, SlamOptions& o) {
   add_log_options(app, o, o.log)->required();
   add_text_option(app, "--config", o.config, "C.yaml", "Settings over the defaults");
-  add_text_option(app, "--truth", o.truth, "T.tum", "True trajectory, TUM format, in any frame");
+  add_text_option(app, "--truth", o.truth, "T.tum", "True trajectory (TUM, CARMEN, bag), any frame");
   add_text_option(app, "--relations", o.relations, "R.txt", "True relations between scans");
   add_text_option(app, "--out", o.out, "DIR", "Folder for the results (parloc_map)");
   add_text_option(app, "--particles", o.particles, "N", "Each with a map of its own, 1 to 65535");
@@ -119,12 +120,14 @@ void watch(slam::MapRequest& request, std::optional<LivePicture>& live, const Ou
   };
 }
 
-int run(const SlamOptions& o, const std::string& typed) {
+int run(const SlamOptions& given, const std::string& typed) {
+  SlamOptions o = given;
   // Everything that can be wrong is looked at before the long work.
   slam::MapRequest request;
   std::optional<SlamCheckpoint> checkpoint;
   if (!o.resume.empty()) checkpoint.emplace(checkpoint_path(o));
   request.config = checkpoint ? resumed_config(o, *checkpoint) : slam_config(o, Config{});
+  o.truth = truth_or_log(o.truth, o.log, request.config);
   request.resume = checkpoint ? &*checkpoint : nullptr;
   request.checkpoint_every_s = o.every.empty() ? 60.0 : parse_number("--checkpoint-every", o.every, 0.0, 1e6);
   request.log_name = o.log;
@@ -133,7 +136,7 @@ int run(const SlamOptions& o, const std::string& typed) {
   const std::unique_ptr<LogReader> log = open_log(o.log, log_choice(request.config));
   const std::vector<Relation> relations =
       o.relations.empty() ? std::vector<Relation>{} : read_relations(o.relations);
-  const Trajectory truth = o.truth.empty() ? Trajectory{} : read_tum(o.truth);
+  const Trajectory truth = o.truth.empty() ? Trajectory{} : open_truth(o.truth, log_choice(request.config));
   OutputFolder out(output_folder(o), {kMap, kImage, kTrajectory, kMetrics, kReport, kPicture, kLivePicture,
                                       kLivePage, kCheckpoint});
   request.checkpoint = out.final_path(kCheckpoint);

@@ -10,7 +10,8 @@
 #include "common/error.h"
 #include "common/eval/metrics.h"
 #include "common/io/open_log.h"
-#include "common/map/map_reader.h"
+#include "common/io/open_map.h"
+#include "common/io/open_truth.h"
 
 namespace parloc::tools::families {
 namespace {
@@ -72,8 +73,8 @@ DriveSource drawn_drives(const std::string& folder, const std::vector<Family>& f
 DriveSource recorded_drives(const RecordedDrives& plan, std::uint64_t first_seed, std::size_t trials) {
   auto log = std::make_shared<RecordedLog>();
   log->corruption = corruption_from_text(plan.corrupt);
-  log->truth = read_tum(plan.truth);
-  log->map = std::make_shared<const GridMap>(read_map(plan.map));
+  log->truth = open_truth(plan.truth, plan.choice);
+  log->map = std::make_shared<const GridMap>(open_map(plan.map, plan.choice));
   log->records = read_records(plan, log->truth);
   DriveSource source;
   const std::string how = plan.corrupt.empty() ? "as recorded" : plan.corrupt;

@@ -1,0 +1,7 @@
+// The reader of MCAP on any bytes.
+#include "tests/fuzz/bag_fuzz.h"
+
+extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
+  parloc::fuzz::read_bag(data, size);
+  return 0;
+}
