@@ -1,5 +1,5 @@
 // What is written as MCAP, read back with the project's own readers.
-#include "common/bag/mcap_writer.h"
+#include "common/mcap/mcap_writer.h"
 
 #include <gtest/gtest.h>
 

@@ -48,7 +48,8 @@ struct RunOptions : ConfigOptions {
 void declare(CLI::App& app, RunOptions& o) {
   add_text_option(app, "--map", o.map, "M.yaml", "ROS map_server YAML, or a bag (the log, if a bag)");
   add_log_options(app, o, o.log)->required();
-  add_text_option(app, "--truth", o.truth, "T.tum", "True poses: TUM, CARMEN, bag (--relations R.txt: relations)");
+  add_text_option(app, "--truth", o.truth, "T.tum",
+                  "True poses: TUM, CARMEN, bag (--relations R.txt: relations)");
   add_text_option(app, "--relations", o.relations, "R.txt", "True relations between scans")->group("");
   add_text_option(app, "--config", o.config, "C.yaml", "Settings over the defaults");
   add_text_option(app, "--init", o.init, "START", "x,y,theta[,sx,sy,st] (again: or there), or global")
