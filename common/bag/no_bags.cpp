@@ -1,10 +1,9 @@
-// Stands for the readers and the writer of bags in a build without their libraries.
+// Stands for the readers of bags in a build without their libraries.
 #include <filesystem>
 #include <fstream>
 #include <string_view>
 #include <system_error>
 
-#include "common/bag/mcap_writer.h"
 #include "common/bag/open_bag.h"
 #include "common/error.h"
 
@@ -26,19 +25,5 @@ std::unique_ptr<BagReader> open_bag(const std::string& path) {
                     "is a bag, and this parloc reads none: it was built without SQLite, zstd, lz4 or bzip2 "
                     "(docs/building.md)");
 }
-
-struct McapWriter::State {};
-
-McapWriter::McapWriter(Sink, double) {
-  throw Error(
-      ErrorKind::output,
-      "this parloc writes no MCAP: it was built without SQLite, zstd, lz4 or bzip2 (docs/building.md)");
-}
-McapWriter::~McapWriter() = default;
-std::uint16_t McapWriter::add_topic(const McapTopic&) {
-  return 0;
-}
-void McapWriter::write(std::uint16_t, std::int64_t, std::string_view) {}
-void McapWriter::finish() {}
 
 }  // namespace parloc

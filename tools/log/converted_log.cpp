@@ -10,7 +10,7 @@
 #include <utility>
 
 #include "common/error.h"
-#include "common/io/mcap_log.h"
+#include "common/mcap/mcap_log.h"
 
 namespace parloc::tools {
 namespace {

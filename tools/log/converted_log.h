@@ -7,8 +7,8 @@
 #include <string_view>
 #include <vector>
 
-#include "common/bag/mcap_writer.h"
 #include "common/io/log.h"
+#include "common/mcap/mcap_writer.h"
 
 namespace parloc::tools {
 

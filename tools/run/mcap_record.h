@@ -7,8 +7,8 @@
 
 #include "common/config/config.h"
 #include "common/file/output_file.h"
-#include "common/io/mcap_log.h"
 #include "common/map/grid_map.h"
+#include "common/mcap/mcap_log.h"
 #include "common/model/trajectory.h"
 #include "tools/report/even_sample.h"
 #include "tools/run/localize_log.h"

@@ -1,4 +1,4 @@
-#include "common/bag/mcap_writer.h"
+#include "common/mcap/mcap_writer.h"
 
 #include <fmt/format.h>
 #include <zlib.h>

@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-#include "common/bag/mcap_writer.h"
+#include "common/mcap/mcap_writer.h"
 #include "common/model/scan.h"
 #include "common/ros/message_writer.h"
 

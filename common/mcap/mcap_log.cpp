@@ -1,4 +1,4 @@
-#include "common/io/mcap_log.h"
+#include "common/mcap/mcap_log.h"
 
 #include <fmt/format.h>
 
