@@ -126,13 +126,17 @@ bool ChunkedBag::refill(Cursor& cursor) {
 
 void ChunkedBag::open_next_chunk() {
   auto cursor = std::make_unique<Cursor>();
+  cursor->messages = std::exchange(spare_, {});
   cursor->chunk = order_[next_chunk_++];
   try {
     cursor->records = open_chunk(chunks_[cursor->chunk]);
   } catch (const Damage& damage) {
     count_fault(chunks_[cursor->chunk].offset, damage.what);
   }
-  if (!refill(*cursor)) return;
+  if (!refill(*cursor)) {
+    spare_ = std::move(cursor->messages);
+    return;
+  }
   make_room(cursor->messages.bytes.size());
   cursors_.push_back(std::move(cursor));
 }
@@ -171,6 +175,7 @@ std::size_t ChunkedBag::earliest() const {
 void ChunkedBag::advance() {
   Cursor* const cursor = std::exchange(given_, nullptr);
   if (cursor == nullptr || ++cursor->next < cursor->messages.entries.size() || refill(*cursor)) return;
+  spare_ = std::move(cursor->messages);
   std::erase_if(cursors_, [&](const auto& other) { return other.get() == cursor; });
 }
 

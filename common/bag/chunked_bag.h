@@ -99,6 +99,7 @@ class ChunkedBag : public BagReader {
   std::vector<std::size_t> order_;  ///< Of chunks_, by time.
   std::size_t next_chunk_ = 0;      ///< Index into order_.
   std::vector<std::unique_ptr<Cursor>> cursors_;
+  ChunkMessages spare_;      ///< Of the cursor that ended last: its memory is used again.
   Cursor* given_ = nullptr;  ///< Whose message was given out last.
   BagChunk* looked_at_ = nullptr;
 };

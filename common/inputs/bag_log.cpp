@@ -138,12 +138,7 @@ void BagLog::tell_all() const {
   for (const TransformTree::Contradiction& said : tree_.contradictions())
     if (const auto sensor = sensor_on_.find(said.frame); sensor != sensor_on_.end())
       warnings_.notes.push_back({LogNote::About::mount, sensor->second, said.text});
-  const auto left_out = [&](std::size_t count, const char* when) {
-    if (count > 0)
-      tell(warnings_, fmt::format("{}: {} scan{} {} left out", name_, count, count == 1 ? "" : "s", when));
-  };
-  left_out(joiner_.scans_before(), "before the first odometry");
-  left_out(joiner_.scans_after(), "after the last odometry");
+  for (std::string& line : joiner_.left_out(name_)) tell(warnings_, std::move(line));
 }
 
 bool BagLog::next_ready(LogRecord& record) {

@@ -6,7 +6,7 @@
 namespace parloc {
 
 std::unique_ptr<LogReader> open_log(const std::string& path, const LogChoice& choice) {
-  return is_bag(path) ? open_bag_log(path, choice) : open_carmen_log(path);
+  return is_bag(path) ? open_bag_log(path, choice) : open_carmen_log(path, choice.without_odometry);
 }
 
 }  // namespace parloc

@@ -4,8 +4,9 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <iterator>
+#include <filesystem>
 #include <string_view>
+#include <system_error>
 #include <utility>
 
 #include "common/error.h"
@@ -13,6 +14,7 @@
 #include "common/file/text_fields.h"
 #include "common/io/carmen_angles.h"
 #include "common/io/carmen_params.h"
+#include "common/io/joined_log.h"
 #include "common/io/log.h"
 #include "common/io/mount_watch.h"
 #include "common/math/portable64.h"
@@ -80,7 +82,8 @@ struct UnsaidOfLine {
 
 class CarmenLog final : public LogReader {
  public:
-  explicit CarmenLog(LineReader lines) : lines_(std::move(lines)) {}
+  /// `raw`: scans are those of RAWLASER lines, and have no odometry.
+  CarmenLog(LineReader lines, bool raw) : lines_(std::move(lines)), raw_(raw) {}
 
   bool next(LogRecord& record) override {
     std::string_view line;
@@ -111,11 +114,13 @@ class CarmenLog final : public LogReader {
   const UnsaidOfLine& unsaid_of(bool front, std::size_t beams);
   void note_angles(const char* lidar, std::size_t beams, const BeamAngles& angles);
   void parse_robotlaser(Fields& fields, LogRecord& record) const;
+  void parse_rawlaser(Fields& fields, LogRecord& record, std::size_t id) const;
   void count_scan(const LogRecord& record);
   void count_broken(const std::string& why);
   void count_unread(std::string_view name);
 
   LineReader lines_;
+  bool raw_;
   LogWarnings warnings_;
   CarmenParams params_;
   MountWatch mounts_;
@@ -134,11 +139,11 @@ bool is_message_name(std::string_view name) {
          std::all_of(name.begin(), name.end(), [&](char c) { return letter(c) || other(c); });
 }
 
-constexpr std::string_view kRobotlaser = "ROBOTLASER";
+constexpr std::string_view kRobotlaser = "ROBOTLASER", kRawlaser = "RAWLASER";
 
-// '1' to '9' for ROBOTLASER1 to ROBOTLASER9, else 0.
-char robotlaser_number(std::string_view name) {
-  const bool is = name.size() == kRobotlaser.size() + 1 && name.substr(0, kRobotlaser.size()) == kRobotlaser;
+// '1' to '9' for ROBOTLASER1 to ROBOTLASER9, or RAWLASER1 to RAWLASER9; else 0.
+char laser_number(std::string_view name, std::string_view kind) {
+  const bool is = name.size() == kind.size() + 1 && name.substr(0, kind.size()) == kind;
   return is && name.back() >= '1' && name.back() <= '9' ? name.back() : '\0';
 }
 
@@ -161,9 +166,12 @@ bool CarmenLog::parse(std::string_view line, LogRecord& record) {
   } else if (name == "RLASER") {
     record.scan.sensor = "rear";
     parse_without_angles(fields, record, false);
-  } else if (const char number = robotlaser_number(name); number != 0) {
+  } else if (const char number = laser_number(name, kRobotlaser); number != 0) {
     record.scan.sensor = std::string("robotlaser") + number;
     parse_robotlaser(fields, record);
+  } else if (const char raw_number = raw_ ? laser_number(name, kRawlaser) : '\0'; raw_number != 0) {
+    record.scan.sensor = std::string("rawlaser") + raw_number;
+    parse_rawlaser(fields, record, static_cast<std::size_t>(raw_number - '0'));
   } else if (name == "PARAM") {
     params_.take(fields);
     unsaid_front_.beams = unsaid_rear_.beams = 0;
@@ -233,35 +241,63 @@ void CarmenLog::note_angles(const char* lidar, std::size_t beams, const BeamAngl
                    angles.step_rad / degree, lidar)});
 }
 
-// ROBOTLASER<k> type start_angle fov resolution max_range accuracy remission_mode n r_1 .. r_n n_remissions
-// remissions
-//   laser_x laser_y laser_theta robot_x robot_y robot_theta tv rv forward side axis stamp host logger_stamp
-void CarmenLog::parse_robotlaser(Fields& fields, LogRecord& record) const {
-  record.kind = RecordKind::scan;
-  Scan& scan = record.scan;
+// What ROBOTLASER and RAWLASER lines have in common: <k> type start_angle fov resolution max_range accuracy
+// remission_mode n r_1 .. r_n n_remissions remissions. The step is decided last, when the line is known to be
+// whole.
+struct LaserLine {
+  StatedAngle fov, resolution;
+};
+
+LaserLine read_laser(Fields& fields, Scan& scan) {
+  LaserLine line;
   fields.number<double>("a laser type");
   scan.angle_min_rad = fields.bounded("a start angle within two turns", kMaxBearingRad);
-  const StatedAngle fov = read_angle(fields, "a field of view within two turns");
-  const StatedAngle resolution = read_angle(fields, "an angle step within two turns");
+  line.fov = read_angle(fields, "a field of view within two turns");
+  line.resolution = read_angle(fields, "an angle step within two turns");
   const double max_range_m = fields.number<double>("a maximum range");
   fields.number<double>("an accuracy");
   fields.number<double>("a remission mode");
   read_ranges(fields, scan.ranges_m);
   const std::size_t remissions = read_count(fields, "a number of remissions");
   for (std::size_t i = 0; i < remissions; ++i) fields.number<double>("a remission");
-  const Pose T_odom_sensor = read_pose(fields, "a finite laser pose");
-  record.odometry = read_pose(fields, "finite odometry");
-  for (int i = 0; i < 5; ++i) fields.number<double>("velocities, distances and axis");
-  record.stamp_s = scan.stamp_s = read_end(fields, lines_.terminated());
+  scan.range_min_m = scan.scan_time_s = 0.0;
+  scan.range_max_m = std::isfinite(max_range_m) && max_range_m > 0.0 ? max_range_m : 0.0;
+  return line;
+}
 
-  scan.angle_step_rad = beam_step_rad(fov, resolution, scan.ranges_m.size());
+void set_step(const LaserLine& line, Scan& scan) {
+  scan.angle_step_rad = beam_step_rad(line.fov, line.resolution, scan.ranges_m.size());
   const double last_rad = scan.angle_step_rad * static_cast<double>(scan.ranges_m.size() - 1);
   if (!(std::fabs(last_rad) <= kMaxBearingRad)) throw BrokenLine{"expected beams within two turns"};
   if (scan.ranges_m.size() > 1 && scan.angle_step_rad == 0.0)
     throw BrokenLine{"expected an angle step, found 0"};
+}
+
+// ROBOTLASER: ... laser_x laser_y laser_theta robot_x robot_y robot_theta tv rv forward side axis stamp host
+// logger_stamp
+void CarmenLog::parse_robotlaser(Fields& fields, LogRecord& record) const {
+  record.kind = RecordKind::scan;
+  Scan& scan = record.scan;
+  const LaserLine line = read_laser(fields, scan);
+  const Pose T_odom_sensor = read_pose(fields, "a finite laser pose");
+  record.odometry = read_pose(fields, "finite odometry");
+  for (int i = 0; i < 5; ++i) fields.number<double>("velocities, distances and axis");
+  record.stamp_s = scan.stamp_s = read_end(fields, lines_.terminated());
+  set_step(line, scan);
   scan.T_base_sensor = relative(T_odom_sensor, record.odometry);
-  scan.range_min_m = scan.scan_time_s = 0.0;
-  scan.range_max_m = std::isfinite(max_range_m) && max_range_m > 0.0 ? max_range_m : 0.0;
+}
+
+// RAWLASER: ... stamp host logger_stamp. Where the laser sits, PARAM lines say.
+void CarmenLog::parse_rawlaser(Fields& fields, LogRecord& record, std::size_t id) const {
+  record.kind = RecordKind::scan;
+  record.odometry = {};
+  Scan& scan = record.scan;
+  const LaserLine line = read_laser(fields, scan);
+  record.stamp_s = scan.stamp_s = read_end(fields, lines_.terminated());
+  set_step(line, scan);
+  const CarmenLaser laser = params_.of_id(id);
+  scan.T_base_sensor = mount_of(laser, id != params_.rear_id());
+  scan.upside_down = laser.flipped.value_or(false);
 }
 
 std::size_t sensor_index(const std::string& name) {
@@ -300,60 +336,41 @@ void CarmenLog::count_broken(const std::string& why) {
 
 }  // namespace
 
-std::unique_ptr<LogReader> open_carmen_log(const std::string& path) {
-  return std::make_unique<CarmenLog>(LineReader::from_file(path));
-}
-
-std::unique_ptr<LogReader> carmen_log_from_text(const std::string& text, const std::string& name) {
-  return std::make_unique<CarmenLog>(LineReader::from_text(text, name));
-}
-
 namespace {
 
-/// The view whose share by gap is `step_rad` to the bit for a reader, if there is one.
-double exact_view(double step_rad, double view_rad, std::size_t beams) {
-  const double gaps = static_cast<double>(beams) - 1.0;
-  for (const double near :
-       {view_rad, std::nextafter(view_rad, 0.0), std::nextafter(view_rad, 2.0 * view_rad)})
-    if (near / gaps == step_rad) return near;
-  return view_rad;
+/// Whether its only scans are those of RAWLASER lines: the others have odometry, and are what the recording
+/// program made of these.
+bool has_raw_scans_alone(LineReader lines) {
+  bool raw = false;
+  for (std::string_view line; lines.next(line);) {
+    const std::string_view name = Fields(line).text();
+    if (name == "FLASER" || name == "RLASER" || laser_number(name, kRobotlaser) != 0) return false;
+    raw = raw || laser_number(name, kRawlaser) != 0;
+  }
+  return raw;
+}
+
+std::unique_ptr<LogReader> carmen_log(LineReader lines, bool raw, const std::string& name,
+                                      bool without_odometry) {
+  auto log = std::make_unique<CarmenLog>(std::move(lines), raw);
+  if (raw && !without_odometry) return join_odometry(std::move(log), name);
+  return log;
 }
 
 }  // namespace
 
-std::string carmen_line(const LogRecord& record, CarmenDigits digits) {
-  const Scan& scan = record.scan;
-  const std::size_t n = scan.ranges_m.size();
-  // No line can say that a LiDAR is upside down, but one may count its angles clockwise.
-  const double sign = scan.upside_down ? -1.0 : 1.0;
-  const double min_rad = sign * scan.angle_min_rad, step_rad = sign * scan.angle_step_rad;
-  double fov_rad = n > 0 ? step_rad * static_cast<double>(n - 1) : 0.0;
-  if (digits == CarmenDigits::all && n > 1) fov_rad = exact_view(step_rad, fov_rad, n);
-  const Pose& robot = record.odometry;
-  const Pose laser = compose(robot, scan.T_base_sensor);
-  std::string line;
-  auto out = std::back_inserter(line);
-  const auto put = [&](auto value, int decimals) {
-    if (digits == CarmenDigits::all)
-      fmt::format_to(out, " {}", value);
-    else
-      fmt::format_to(out, " {:.{}f}", value, decimals);
-  };
-  const bool numbered = scan.sensor.size() == 11 && scan.sensor.rfind("robotlaser", 0) == 0;
-  const char number = numbered ? robotlaser_number(std::string(kRobotlaser) + scan.sensor.back()) : '\0';
-  fmt::format_to(out, "ROBOTLASER{} 0", number != 0 ? number : '1');
-  for (const double angle_rad : {min_rad, fov_rad, step_rad}) put(angle_rad, 9);
-  put(scan.range_max_m, 6);
-  fmt::format_to(out, " 0.010000 0 {}", n);
-  for (const float range_m : scan.ranges_m) put(range_m, 4);
-  fmt::format_to(out, " 0");
-  for (const Pose& pose : {laser, robot})
-    for (const double value : {pose.x_m, pose.y_m, pose.theta_rad}) put(value, 9);
-  fmt::format_to(out, " 0 0 0 0 0");
-  put(scan.stamp_s, 6);
-  fmt::format_to(out, " parloc");
-  put(scan.stamp_s, 6);
-  return line;
+std::unique_ptr<LogReader> open_carmen_log(const std::string& path, bool without_odometry) {
+  // What is no file, such as a pipe, can be read only once.
+  std::error_code none;
+  const bool raw =
+      std::filesystem::is_regular_file(path, none) && has_raw_scans_alone(LineReader::from_file(path));
+  return carmen_log(LineReader::from_file(path), raw, path, without_odometry);
+}
+
+std::unique_ptr<LogReader> carmen_log_from_text(const std::string& text, const std::string& name,
+                                                bool without_odometry) {
+  const bool raw = has_raw_scans_alone(LineReader::from_text(text, name));
+  return carmen_log(LineReader::from_text(text, name), raw, name, without_odometry);
 }
 
 }  // namespace parloc

@@ -134,6 +134,10 @@ CarmenLaser CarmenParams::merged(const CarmenLaser& by_name, std::size_t id) con
   return laser;
 }
 
+CarmenLaser CarmenParams::of_id(std::size_t id) const {
+  return id == front_id_ ? front() : id == rear_id_ ? rear() : by_id_[id];
+}
+
 Pose mount_of(const CarmenLaser& laser, bool front) {
   Pose mount;
   if (laser.offset_m) mount.x_m = front ? *laser.offset_m : -std::fabs(*laser.offset_m);

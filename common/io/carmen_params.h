@@ -32,6 +32,9 @@ class CarmenParams {
 
   CarmenLaser front() const { return merged(front_, front_id_); }
   CarmenLaser rear() const { return merged(rear_, rear_id_); }
+  std::size_t rear_id() const { return rear_id_; }
+  /// Of any number, 1 to 9.
+  CarmenLaser of_id(std::size_t id) const;
 
  private:
   bool take_robot(std::string_view name, Fields& fields);

@@ -58,12 +58,14 @@ class LogReader {
 };
 
 /// Opens a CARMEN text log (ODOM, FLASER, RLASER, ROBOTLASER1 to 9; the PARAM lines of CarmenParams;
-/// comments with #), plain or gzip (told apart by content).
-/// Throws Error{input} if the file cannot be read.
-std::unique_ptr<LogReader> open_carmen_log(const std::string& path);
+/// comments with #), plain or gzip (told apart by content). Where its only scans are RAWLASER1 to 9, which
+/// say no odometry, they get that of the ODOM lines at their time (join_odometry()), or, `without_odometry`,
+/// none. Throws Error{input} if the file cannot be read.
+std::unique_ptr<LogReader> open_carmen_log(const std::string& path, bool without_odometry = false);
 
 /// A CARMEN log already in memory, for tests and fuzzers. `name` stands for the file in messages.
-std::unique_ptr<LogReader> carmen_log_from_text(const std::string& text, const std::string& name);
+std::unique_ptr<LogReader> carmen_log_from_text(const std::string& text, const std::string& name,
+                                                bool without_odometry = false);
 
 /// How many digits a written number has.
 enum class CarmenDigits {

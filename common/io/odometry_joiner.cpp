@@ -44,6 +44,17 @@ void OdometryJoiner::add_scan(LogRecord scan) {
   scans_.insert(at, std::move(scan));
 }
 
+std::vector<std::string> OdometryJoiner::left_out(const std::string& log_name) const {
+  std::vector<std::string> lines;
+  const auto add = [&](std::size_t count, const char* when) {
+    if (count > 0)
+      lines.push_back(fmt::format("{}: {} scan{} {} left out", log_name, count, count == 1 ? "" : "s", when));
+  };
+  add(before_, "before the first odometry");
+  add(after_, "after the last odometry");
+  return lines;
+}
+
 std::string OdometryJoiner::why_none() const {
   const auto text = [](const Times& times) {
     return fmt::format("from {:.3f} to {:.3f} s", times.first_s, times.last_s);

@@ -5,6 +5,7 @@
 #include <cstddef>
 #include <deque>
 #include <string>
+#include <vector>
 
 #include "common/io/log.h"
 #include "common/model/trajectory.h"
@@ -24,8 +25,10 @@ class OdometryJoiner {
   /// False: more has to go in first, or there is no more.
   bool next(LogRecord& record);
 
-  std::size_t scans_before() const { return before_; }         ///< Left out: older than any reading.
-  std::size_t scans_after() const { return after_; }           ///< Left out: younger than the last reading.
+  std::size_t scans_before() const { return before_; }  ///< Left out: older than any reading.
+  std::size_t scans_after() const { return after_; }    ///< Left out: younger than the last reading.
+  /// One line for the scans before, one for those after, if there are any.
+  std::vector<std::string> left_out(const std::string& log_name) const;
   std::size_t remembered() const { return readings_.size(); }  ///< Readings.
   /// Why no scan came out though scans and the end went in: one line with both times.
   std::string why_none() const;

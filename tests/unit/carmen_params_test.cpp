@@ -2,11 +2,14 @@
 // that move; and odd ways to write numbers.
 #include "common/io/carmen_params.h"
 
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 
 #include <cmath>
 #include <limits>
+#include <string>
 #include <utility>
+#include <vector>
 
 #include "common/io/log_notes.h"
 #include "common/io/scan_stream.h"
@@ -195,11 +198,57 @@ TEST(MountWatch, APlaceThatChangesIsSaidOnceAndAtOnce) {
 
 TEST(CarmenLog, ALogWithoutScansSaysWhatItHas) {
   std::string text;
-  for (int k = 0; k < 5; ++k) text += "RAWLASER1 0 -1.57 3.14 0.0175 81 0.01 0 2 1 1 0 1 h 1\n";
+  for (int k = 0; k < 5; ++k) text += "TRUEPOS 1 2 0 1 2 0 1 h 1\n";
   const Read read = read_text(text + "LASER_LDMRS 1 2 3\nODOM 1 2 3 0 0 0 1 h 0\n");
   EXPECT_EQ(std::string(no_scan("x.log", read.warnings).what()),
-            "x.log: expected at least one scan (FLASER, RLASER or ROBOTLASER1), found none; 5 RAWLASER1, "
+            "x.log: expected at least one scan (FLASER, RLASER or ROBOTLASER1), found none; 5 TRUEPOS, "
             "1 LASER_LDMRS lines: not read");
+}
+
+std::string raw_laser(double stamp_s, int number = 1) {
+  return fmt::format("RAWLASER{} 0 -1.5 3 1.5 81 0.01 0 3 1 2 3 0 {} h 1\n", number, stamp_s);
+}
+
+TEST(CarmenLog, RawScansGetTheOdometryAtTheirTime) {
+  const std::string params =
+      "PARAM robot_frontlaser_offset 0.25 1 h 0\nPARAM robot_rearlaser_offset 0.5 1 h 0\nPARAM "
+      "laser_laser3_flipped 1 1 h 0\n";
+  const std::string odometry = "ODOM 0 0 0 0 0 0 1 h 0\nODOM 2 4 0.5 0 0 0 2 h 0\nODOM 3 4 0.5 0 0 0 3 h 0\n";
+  const Read read = read_text(params + raw_laser(0.5) + raw_laser(1.5) + raw_laser(2.0, 2) +
+                              raw_laser(2.5, 3) + odometry + raw_laser(9.0));
+  std::vector<LogRecord> scans;
+  for (const LogRecord& record : read.records)
+    if (record.kind == RecordKind::scan) scans.push_back(record);
+  ASSERT_EQ(scans.size(), 3u);
+  EXPECT_EQ(scans[0].scan.sensor, "rawlaser1");
+  expect_near(scans[0].odometry, {1.0, 2.0, 0.25}, 1e-12, 1e-12);
+  expect_equal(scans[0].scan.T_base_sensor, {0.25, 0.0, 0.0});
+  EXPECT_EQ(scans[0].scan.range_max_m, 81.0);
+  EXPECT_EQ(scans[0].scan.angle_step_rad, 1.5);
+  expect_near(scans[1].odometry, {2.0, 4.0, 0.5}, 0.0, 0.0);
+  EXPECT_EQ(scans[1].scan.T_base_sensor.x_m, -0.5);
+  EXPECT_TRUE(scans[2].scan.upside_down);
+  ASSERT_EQ(read.warnings.messages.size(), 2u);
+  EXPECT_EQ(read.warnings.messages[0], "x.log: 1 scan before the first odometry left out");
+  EXPECT_EQ(read.warnings.messages[1], "x.log: 1 scan after the last odometry left out");
+}
+
+TEST(CarmenLog, RawScansBesideOthersAreNotRead) {
+  const Read read =
+      read_text(raw_laser(1.5) + "ODOM 0 0 0 0 0 0 1 h 0\nFLASER 2 1 1 0 0 0 1 2 0.5 1.5 host 0.1\n");
+  ASSERT_EQ(read.records.size(), 2u);
+  ASSERT_EQ(read.warnings.unread.size(), 1u);
+  EXPECT_EQ(read.warnings.unread[0].first, "RAWLASER1");
+}
+
+TEST(CarmenLog, RawScansWithoutOdometry) {
+  const auto log = carmen_log_from_text(raw_laser(1.0), "x.log");
+  LogRecord record;
+  EXPECT_EQ(error_of([&] { log->next(record); }),
+            "x.log: 1 scans say no odometry (RAWLASER): expected odometry, found scans alone");
+  const auto alone = carmen_log_from_text(raw_laser(1.0), "x.log", true);
+  ASSERT_TRUE(alone->next(record));
+  expect_equal(record.odometry, {});
 }
 
 TEST(CarmenLog, OddWaysToWriteNumbersAndLines) {

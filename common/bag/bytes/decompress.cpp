@@ -73,25 +73,41 @@ class Unpacking : public ByteStream {
   bool ended_ = false;
 };
 
+struct FreeZstd {
+  void operator()(ZSTD_DCtx* context) const { ZSTD_freeDCtx(context); }
+};
+using ZstdContext = std::unique_ptr<ZSTD_DCtx, FreeZstd>;
+
+/// The last one that was given back is taken again: its window is most of what a chunk would have to get from
+/// the system anew.
+thread_local ZstdContext spare_zstd;
+
+ZstdContext zstd_context() {
+  ZstdContext context = std::move(spare_zstd);
+  if (context == nullptr) context.reset(ZSTD_createDCtx());
+  if (context == nullptr) throw std::bad_alloc();
+  ZSTD_DCtx_reset(context.get(), ZSTD_reset_session_only);
+  ZSTD_DCtx_setParameter(context.get(), ZSTD_d_windowLogMax, kLongestWindow_log2);
+  return context;
+}
+
 class ZstdStream final : public Unpacking {
  public:
   explicit ZstdStream(std::unique_ptr<ByteStream> packed)
-      : Unpacking(std::move(packed)), context_(ZSTD_createDStream()) {
-    ZSTD_DCtx_setParameter(context_, ZSTD_d_windowLogMax, kLongestWindow_log2);
-  }
-  ~ZstdStream() override { ZSTD_freeDStream(context_); }
+      : Unpacking(std::move(packed)), context_(zstd_context()) {}
+  ~ZstdStream() override { spare_zstd = std::move(context_); }
 
  private:
   Step unpack(std::string_view in, char* to, std::size_t size) override {
     ZSTD_inBuffer from{in.data(), in.size(), 0};
     ZSTD_outBuffer out{to, size, 0};
-    const std::size_t left = ZSTD_decompressStream(context_, &out, &from);
+    const std::size_t left = ZSTD_decompressStream(context_.get(), &out, &from);
     if (ZSTD_isError(left) != 0) throw Damage{fmt::format("damaged zstd data: {}", ZSTD_getErrorName(left))};
     if (from.pos > 0 || out.pos > 0) between_frames_ = left == 0;
     return {from.pos, out.pos};
   }
 
-  ZSTD_DStream* context_;
+  ZstdContext context_;
 };
 
 class Lz4Stream final : public Unpacking {
