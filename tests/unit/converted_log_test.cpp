@@ -165,9 +165,11 @@ TEST(ConvertedLog, KeepsLidarsThatHangUpsideDown) {
       const std::vector<LogRecord> read = read_again(written(drive({upside_down}), mcap));
       ASSERT_GE(read.size(), 2u);
       const Scan& found = read[1].scan;
-      EXPECT_FALSE(found.upside_down);  // but counted clockwise, which is the same
-      EXPECT_EQ(found.angle_min_rad, 1.5);
-      EXPECT_EQ(found.angle_step_rad, -0.25);
+      // No CARMEN line can say it, but one may count its angles clockwise, which is the same.
+      EXPECT_EQ(found.upside_down, mcap);
+      const double sign = found.upside_down ? -1.0 : 1.0;
+      EXPECT_EQ(sign * found.angle_min_rad, 1.5);
+      EXPECT_EQ(sign * found.angle_step_rad, -0.25);
       EXPECT_NEAR(found.T_base_sensor.theta_rad, 0.7, 1e-14);
     }
   }
