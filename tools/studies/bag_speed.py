@@ -115,7 +115,8 @@ def main():
         ours = [time_parloc(program, small)[0] for _ in range(3)]
         theirs = time_python(small)
         ratio = theirs / min(ours)
-        print(f"{part / 1e6:.0f} MB: parloc {min(ours):.3f} s for both passes, mcap in Python {theirs:.2f} s for one: {ratio:.1f} times")
+        print(f"{part / 1e6:.0f} MB: parloc {min(ours):.3f} s for both passes, mcap in Python {theirs:.2f} s for one,")
+        print(f"  {ratio:.1f} times as long")
 
 
 if __name__ == "__main__":
