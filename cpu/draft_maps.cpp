@@ -35,17 +35,18 @@ void DraftMap::cover(const std::vector<ScanDrawing>& drawings) {
 
 void DraftMap::draw(const ScanDrawing& drawing) {
   const Beams beams = bind_beams(*drawing.scan);
+  const std::size_t drawn = drawn_beams(beams, rules_.draw);
   const MatchPose at = match_pose(slam_pose(drawing.pose), rules_.match);
   const StrictFloat strict;
   run_simd([&]() PARLOC_SIMD_LOOP {
-    for (std::size_t m = 0; m < beams.hits; ++m)
+    for (std::size_t m = 0; m < drawn; ++m)
       walk_beam(drawn_beam(beams, m, at, rules_.draw), MarkTile{span_, touched_.data()});
   });
   for (std::size_t k = 0; k < touched_.size(); ++k)
     if (touched_[k] != 0 && table_[k] == kNoTile) table_[k] = new_tile();
   const TileMap map = view();
   run_simd([&]() PARLOC_SIMD_LOOP {
-    for (std::size_t m = 0; m < beams.hits; ++m) {
+    for (std::size_t m = 0; m < drawn; ++m) {
       const DrawnBeam b = drawn_beam(beams, m, at, rules_.draw);
       walk_beam(b, DrawCell<PlainAdd>{&b, map, {}});
     }

@@ -7,6 +7,7 @@ namespace parloc::cpu {
 
 void SlamStages::mark_tiles(const SlamArgs& args, Queue& workers) {
   const Beams& beams = args.beams;
+  const std::size_t drawn = drawn_beams(beams, args.draw);
   const TileSpan& span = args.maps.span;
   const std::size_t size = span.size();
   const auto loop = [&](std::size_t begin, std::size_t end) PARLOC_SIMD_LOOP {
@@ -14,7 +15,7 @@ void SlamStages::mark_tiles(const SlamArgs& args, Queue& workers) {
       std::uint8_t* mine = args.touched + i * size;
       std::memset(mine, 0, size);
       const MatchPose pose = match_pose(slam_pose(args.particles, i), args.rules.match);
-      for (std::size_t m = 0; m < beams.hits; ++m)
+      for (std::size_t m = 0; m < drawn; ++m)
         walk_beam(drawn_beam(beams, m, pose, args.draw), MarkTile{span, mine});
     }
   };

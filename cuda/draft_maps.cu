@@ -8,14 +8,15 @@ namespace {
 /// Some scans; a thread per scan and beam.
 struct BeamsOfScans {
   const PlacedScan* placed;
-  std::size_t scans, most_hits;
+  std::size_t scans, most_drawn;
   DrawRules rules;
   /// visit(scan, beam) for each.
   template <class Visit>
   PARLOC_HD void each(const Thread& me, const Visit& visit) const {
-    for (std::size_t k = me.first(); k < scans * most_hits; k += me.stride()) {
-      const PlacedScan& p = placed[k / most_hits];
-      if (k % most_hits < p.scan.hits) visit(p, drawn_beam(p.scan, k % most_hits, p.pose, rules));
+    for (std::size_t k = me.first(); k < scans * most_drawn; k += me.stride()) {
+      const PlacedScan& p = placed[k / most_drawn];
+      if (k % most_drawn < drawn_beams(p.scan, rules))
+        visit(p, drawn_beam(p.scan, k % most_drawn, p.pose, rules));
     }
   }
 };
@@ -102,11 +103,11 @@ void DraftMaps::cover(const std::vector<ScanDrawing>& drawings) {
 }
 
 /// A tile wherever one of the scans will write.
-void DraftMaps::make_tiles(std::size_t scans, std::size_t most_hits) {
+void DraftMaps::make_tiles(std::size_t scans, std::size_t most_drawn) {
   const std::size_t places = count_ * span_.size();
   launch(ClearMarks{touched_.data(), places}, blocks_for(places), queue_);
-  launch(MarkScans{{placed_.data(), scans, most_hits, rules_.draw}, span_, touched_.data()},
-         blocks_for(scans * most_hits), queue_);
+  launch(MarkScans{{placed_.data(), scans, most_drawn, rules_.draw}, span_, touched_.data()},
+         blocks_for(scans * most_drawn), queue_);
   // The maps take the place of the particles.
   SlamArgs args;
   args.maps = maps();
@@ -126,20 +127,20 @@ void DraftMaps::draw(const std::vector<ScanDrawing>& drawings) {
   for (const ScanDrawing& d : drawings) tables.push_back(d.scan);
   const std::vector<Beams> beams = scans_.upload(tables, queue_);
   std::vector<PlacedScan> placed;
-  std::size_t most_hits = 0;
+  std::size_t most_drawn = 0;
   for (std::size_t k = 0; k < drawings.size(); ++k) {
     placed.push_back({drawings[k].map, beams[k], match_pose(slam_pose(drawings[k].pose), rules_.match)});
-    most_hits = std::max(most_hits, beams[k].hits);
+    most_drawn = std::max(most_drawn, drawn_beams(beams[k], rules_.draw));
   }
   const auto rounds = rounds_of(placed, count_);
   placed.clear();
   for (const std::vector<PlacedScan>& round : rounds) placed.insert(placed.end(), round.begin(), round.end());
   placed_.from_host(placed, queue_);
-  make_tiles(placed.size(), most_hits);
+  make_tiles(placed.size(), most_drawn);
   const PlacedScan* first = placed_.data();
   for (const std::vector<PlacedScan>& round : rounds) {
-    launch(DrawScans{{first, round.size(), most_hits, rules_.draw}, maps()},
-           blocks_for(round.size() * most_hits), queue_);
+    launch(DrawScans{{first, round.size(), most_drawn, rules_.draw}, maps()},
+           blocks_for(round.size() * most_drawn), queue_);
     launch(TidyTiles{first, round.size(), maps(), touched_.data()},
            blocks_for(round.size() * span_.size() * kTileCells), queue_);
     first += round.size();

@@ -27,7 +27,7 @@ class DraftMaps {
 
  private:
   void cover(const std::vector<ScanDrawing>& drawings);
-  void make_tiles(std::size_t scans, std::size_t most_hits);
+  void make_tiles(std::size_t scans, std::size_t most_drawn);
   SlamMaps maps() const { return {span_, table_.data(), store_.pool()}; }
 
   MatcherRules rules_;

@@ -14,10 +14,11 @@ struct DrawBeams {
   SlamArgs args;
   PARLOC_HD void operator()(const Thread& me) const {
     const Beams& beams = args.beams;
-    for (std::size_t k = me.first(); k < args.particles.count() * beams.hits; k += me.stride()) {
-      const std::size_t i = k / beams.hits;
+    const std::size_t drawn = drawn_beams(beams, args.draw);
+    for (std::size_t k = me.first(); k < args.particles.count() * drawn; k += me.stride()) {
+      const std::size_t i = k / drawn;
       const MatchPose pose = match_pose(slam_pose(args.particles, i), args.rules.match);
-      const DrawnBeam b = drawn_beam(beams, k % beams.hits, pose, args.draw);
+      const DrawnBeam b = drawn_beam(beams, k % drawn, pose, args.draw);
       walk_beam(b, DrawCell<AtomicAdd>{&b, args.maps.of(i), {}});
     }
   }
@@ -39,7 +40,7 @@ struct TidyTiles {
 
 void SlamStages::register_scan(const SlamArgs& args, Queue& queue) {
   const std::size_t particles = args.particles.capacity;
-  launch(DrawBeams{args}, blocks_for(particles * args.beams.hits), queue);
+  launch(DrawBeams{args}, blocks_for(particles * drawn_beams(args.beams, args.draw)), queue);
   launch(TidyTiles{args.maps, args.touched}, static_cast<unsigned>(particles), queue);
 }
 

@@ -13,8 +13,8 @@ namespace parloc::PARLOC_CUDA_NAMESPACE {
 
 class DeviceScans {
  public:
-  /// The hits of each scan, where they are on the device until the next call. What is named twice is copied
-  /// once.
+  /// The beams of each scan, hits and misses, where they are on the device until the next call. What is named
+  /// twice is copied once.
   std::vector<Beams> upload(const std::vector<const BeamTable*>& scans, Stream stream) {
     std::unordered_map<const BeamTable*, std::size_t> at;
     std::vector<float> values;
@@ -22,12 +22,12 @@ class DeviceScans {
       if (!at.emplace(t, values.size()).second) continue;
       for (const auto* a :
            {&t->origin_x, &t->origin_y, &t->direction_x, &t->direction_y, &t->range_m, &t->end_x, &t->end_y})
-        values.insert(values.end(), a->begin(), a->begin() + static_cast<std::ptrdiff_t>(t->hits));
+        for (std::size_t m = 0; m < t->count; ++m) values.push_back(m < a->size() ? (*a)[m] : 0.0f);
     }
     values_.from_host(values, stream);
     std::vector<Beams> beams;
     for (const BeamTable* t : scans) {
-      const auto array = [&](std::size_t k) { return values_.data() + at[t] + k * t->hits; };
+      const auto array = [&](std::size_t k) { return values_.data() + at[t] + k * t->count; };
       beams.push_back({*t, array(0), array(1), array(2), array(3), array(4), nullptr, array(5), array(6)});
     }
     return beams;

@@ -32,7 +32,8 @@ MatcherRules bind_matcher_rules(const SlamConfig& c) {
 }
 
 DrawRules bind_draw_rules(const SlamConfig& c) {
-  return {static_cast<float>(1.0 / c.resolution), static_cast<float>(c.usable_range / c.resolution)};
+  return {static_cast<float>(1.0 / c.resolution), static_cast<float>(c.usable_range / c.resolution),
+          static_cast<float>(c.clear_range / c.resolution)};
 }
 
 void bind_scan(ProposeRules& rules, const BeamTable& scan, bool empty) {

@@ -26,7 +26,9 @@ struct SlamConfig {
   std::int64_t particles = 30;
   SlamProposal proposal = SlamProposal::scan_match;
   SlamOdometry odometry = SlamOdometry::recorded;
-  double resolution = 0.05;           ///< Cell size [m].
+  double resolution = 0.05;  ///< Cell size [m].
+  /// So far a beam that saw nothing within its LiDAR's range clears its way [m]; 0: it says nothing.
+  double clear_range = 0.0;
   double usable_range = 30.0;         ///< Beams are cut here: farther ends are not matched or drawn [m].
   double resample_threshold = 0.5;    ///< Resample when N_eff < threshold * N; 1 or more: every scan.
   double beta_weight = 0.005;         ///< Exponent of a scan's likelihood in the weights.

@@ -21,6 +21,8 @@ void add_slam_settings(Settings& s, SlamConfig& slam, int& max_beams, double& up
   s.add("max_beams", "Beams used of a scan, in place of scan.max_beams", max_beams,
         {1, static_cast<int>(kMostSlamBeams)});
   s.add("resolution", "Cell size of the maps [m]", slam.resolution, {0.005, 1});
+  s.add("clear_range", "Beams that saw nothing clear their way so far; 0: they say nothing [m]",
+        slam.clear_range, {0.0, 200});
   s.add("usable_range", "Beams are cut here: farther ends are not used [m]", slam.usable_range, {0.1, 200});
   s.add("update_min_d", "Take a scan in after this much translation [m]", update_min_d, {0, 100});
   s.add("update_min_a", "... or after this much rotation [rad]", update_min_a, {0, 100});

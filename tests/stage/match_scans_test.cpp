@@ -25,6 +25,7 @@ constexpr std::size_t kMaps = 3;
 ScanMatcherConfig config(int threads) {
   SlamConfig c;
   c.usable_range = 4.0;  // some beams are cut
+  c.clear_range = 3.0;   // what saw nothing is drawn, too
   return {bind_matcher_rules(c), threads, 0};
 }
 

@@ -114,7 +114,8 @@ bool has_visits(const SlamCells& map, std::int32_t i0, std::int32_t j0) {
 struct Variant {
   const char* name;
   SlamProposal proposal;
-  bool search = false;  ///< Wide, before the matcher climbs.
+  bool search = false;   ///< Wide, before the matcher climbs.
+  double clear_m = 0.0;  ///< So far beams that saw nothing are drawn.
 };
 
 class SlamBackends : public testing::TestWithParam<Variant> {
@@ -126,7 +127,8 @@ class SlamBackends : public testing::TestWithParam<Variant> {
     c.slam.search_xy = GetParam().search ? 0.55 : 0.0;  // 3 x 3 blocks, the last of them cut
     c.slam.search_theta = GetParam().search ? 0.1 : 0.0;
     c.slam.usable_range = 4.0;  // some beams are cut
-    c.slam.beta_weight = 0.5;   // so that it resamples
+    c.slam.clear_range = GetParam().clear_m;
+    c.slam.beta_weight = 0.5;  // so that it resamples
     c.threads = threads;
     return c;
   }
@@ -301,6 +303,7 @@ INSTANTIATE_TEST_SUITE_P(All, SlamBackends,
                          testing::Values(Variant{"motion", SlamProposal::motion},
                                          Variant{"scan_match", SlamProposal::scan_match},
                                          Variant{"gaussian", SlamProposal::gaussian},
+                                         Variant{"gaussian_clears", SlamProposal::gaussian, false, 3.0},
                                          Variant{"scan_match_search", SlamProposal::scan_match, true},
                                          Variant{"gaussian_search", SlamProposal::gaussian, true}),
                          [](const auto& one) { return std::string(one.param.name); });

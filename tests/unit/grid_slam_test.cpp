@@ -2,6 +2,8 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <cmath>
+#include <limits>
 
 #include "common/eval/metrics.h"
 #include "common/slam/grid_slam.h"
@@ -101,6 +103,27 @@ TEST(GridSlam, TheMapIsTheHall) {
   EXPECT_GT(wall_all, 500u);
   EXPECT_GT(static_cast<double>(wall_right), 0.95 * static_cast<double>(wall_all));
   EXPECT_GT(static_cast<double>(free_right), 0.98 * static_cast<double>(free_all));
+}
+
+TEST(GridSlam, WhatSawNothingClearsItsWayIfItIsToldTo) {
+  Scan scan{.angle_min_rad = -1.0, .angle_step_rad = 0.02, .range_max_m = 3.0};
+  for (int k = 0; k < 101; ++k)
+    scan.ranges_m.push_back(k % 10 == 0 ? 1.0f : std::numeric_limits<float>::infinity());
+  const double bearing_rad = -1.0 + 55 * 0.02;  // saw nothing
+  for (const double clear_m : {0.0, 2.0, 9.0}) {
+    SCOPED_TRACE(clear_m);
+    GridSlamConfig c = config(SlamProposal::gaussian, 1);
+    c.slam.clear_range = clear_m;
+    GridSlam slam(c);
+    slam.step({}, scan);
+    const GridMap map = slam.map();
+    for (const double range_m : {1.5, 1.9, 2.2, 2.9, 3.2}) {
+      const Cell seen = map.at_point(range_m * std::cos(bearing_rad), range_m * std::sin(bearing_rad));
+      EXPECT_EQ(seen, range_m < std::min(clear_m, 3.0) ? Cell::free : Cell::unknown) << range_m;
+    }
+    // A wall that other beams pass at a hand's breadth is one all the same, mostly.
+    EXPECT_GE(std::count(map.cells.begin(), map.cells.end(), Cell::occupied), 8);
+  }
 }
 
 TEST(GridSlam, SameSeedSameMapAtAnyNumberOfThreads) {

@@ -43,7 +43,13 @@ class CellWalk {
 struct DrawRules {
   float inv_resolution = 0;  ///< [cells/m]
   float usable_cells = 0;    ///< Beams are cut here.
+  float clear_cells = 0;     ///< So far a beam that saw nothing clears its way; 0: it is not drawn.
 };
+
+/// The first so many beams of a scan are drawn: those that hit something, or all.
+PARLOC_HD std::size_t drawn_beams(const Beams& b, const DrawRules& r) {
+  return r.clear_cells > 0 ? b.count : b.hits;
+}
 
 /// A beam on its way from the sensor: map frame, cells.
 struct DrawnBeam {
@@ -53,8 +59,10 @@ struct DrawnBeam {
 PARLOC_HD DrawnBeam drawn_beam(const Beams& b, std::size_t m, const MatchPose& p, const DrawRules& r) {
   const float ox = b.origin_x[m] * r.inv_resolution, oy = b.origin_y[m] * r.inv_resolution;
   const float range = b.range_m[m] * r.inv_resolution;
-  const bool hit = range <= r.usable_cells;
-  const float reach = hit ? range : r.usable_cells;
+  const bool miss = m >= b.hits;
+  const float most = miss && r.clear_cells < r.usable_cells ? r.clear_cells : r.usable_cells;
+  const bool hit = !miss && range <= most;
+  const float reach = range <= most ? range : most;
   const float ex = hit ? b.end_x[m] : fused(reach, b.direction_x[m], ox);
   const float ey = hit ? b.end_y[m] : fused(reach, b.direction_y[m], oy);
   DrawnBeam d;

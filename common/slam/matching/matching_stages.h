@@ -1,6 +1,6 @@
 // THE STAGES OF SCAN MATCHING, under the same names in cpu/ and cuda/; ScanMatcher calls them. Each map has a
-// frame of its own, in which the poses are (m, rad); cells are counted from its origin. Scans are drawn and
-// matched by their hits alone.
+// frame of its own, in which the poses are (m, rad); cells are counted from its origin. Scans are
+// matched by their hits alone, and drawn by them, or with what saw nothing (DrawRules::clear_cells).
 //
 // clang-format off
 // | stage       | reads                                          | writes                                            |
