@@ -16,6 +16,11 @@ struct BagTopic {
   std::string encoding;  ///< "cdr" (ROS 2), "ros1", or whatever else the file says.
 };
 
+/// A message is refused beyond this size [bytes]: maps are large, of the rest none that is of use here.
+inline std::size_t longest_message(const BagTopic& topic) {
+  return topic.type == "nav_msgs/OccupancyGrid" ? std::size_t{64} << 20 : std::size_t{16} << 20;
+}
+
 /// One message as it was recorded. The bytes stay until the next call of next().
 struct BagMessage {
   std::size_t topic = 0;      ///< Index into topics().

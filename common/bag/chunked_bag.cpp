@@ -11,7 +11,7 @@ namespace parloc {
 
 namespace {
 constexpr std::size_t kPieceBytes = std::size_t{8} << 20;   // of a chunk, unpacked at a time
-constexpr std::size_t kMostBytes = std::size_t{48} << 20;   // of all chunks that are open
+constexpr std::size_t kMostBytes = std::size_t{16} << 20;   // of all chunks that are open
 constexpr std::size_t kMostEntries = std::size_t{1} << 18;  // of a piece
 constexpr std::size_t kMostMessages = 20;                   // of faults
 }  // namespace
@@ -67,6 +67,11 @@ void ChunkedBag::count_fault(std::uint64_t offset, const std::string& what) {
   ++faults_.count;
   if (faults_.messages.size() < kMostMessages)
     faults_.messages.push_back(fmt::format("{}: at byte {}: {}", file_->path(), offset, what));
+}
+
+void ChunkedBag::check_size(std::size_t topic, std::uint64_t size) const {
+  const std::size_t most = longest_message(topics_[topic]);
+  if (size > most) throw Damage{fmt::format("a message of {} bytes: expected at most {}", size, most)};
 }
 
 void ChunkedBag::look_through() {

@@ -55,8 +55,6 @@ class ChunkedBag : public BagReader {
   double progress() const final;
 
  protected:
-  /// A message is refused beyond this size: the largest images are smaller.
-  static constexpr std::uint64_t kLongestMessage = std::uint64_t{48} << 20;
   /// Chunks that are not compressed are cut to about this size [bytes].
   static constexpr std::uint64_t kRunBytes = std::uint64_t{1} << 20;
 
@@ -67,6 +65,8 @@ class ChunkedBag : public BagReader {
 
   /// The index of the topic, which is new or known already.
   std::size_t add_topic(BagTopic topic);
+  /// Throws Damage if a message of the topic may not be so long.
+  void check_size(std::size_t topic, std::uint64_t size) const;
   bool wanted(std::size_t topic) const { return topic < wanted_.size() && wanted_[topic]; }
   /// Unpacks all chunks once with nothing selected, so that open_chunk()'s records can tell what is in them:
   /// topics, and times through note_message(). For files without an index.

@@ -119,6 +119,8 @@ struct McapBag::Records final : ChunkRecords {
       const auto length = little_endian<std::uint64_t>(head + 1);
       if (opcode == kMessage) {
         if (take_message(length, messages)) return true;
+      } else if (opcode == 0) {
+        throw Damage{"expected a record"};
       } else if (opcode == kSchema || opcode == kChannel) {
         if (length > kLongestDescription) throw Damage{"expected a shorter description of a topic"};
         std::string bytes;
@@ -145,8 +147,7 @@ struct McapBag::Records final : ChunkRecords {
       stream->skip(size);
       return false;
     }
-    if (size > kLongestMessage)
-      throw Damage{fmt::format("a message of {} bytes: expected at most {}", size, kLongestMessage)};
+    bag.check_size(topic->second, size);
     const std::size_t offset = messages.bytes.size();
     try {
       stream->append_to(messages.bytes, size);

@@ -148,8 +148,7 @@ struct Ros1Bag::Records final : ChunkRecords {
       stream->skip(size);
       return false;
     }
-    if (size > kLongestMessage)
-      throw Damage{fmt::format("a message of {} bytes: expected at most {}", size, kLongestMessage)};
+    bag.check_size(topic->second, size);
     const std::size_t offset = messages.bytes.size();
     try {
       stream->append_to(messages.bytes, size);

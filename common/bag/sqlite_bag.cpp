@@ -4,8 +4,11 @@
 #include <sqlite3.h>
 
 #include <algorithm>
+#include <cstdint>
+#include <filesystem>
 #include <limits>
 #include <map>
+#include <system_error>
 #include <utility>
 
 #include "common/bag/bytes/byte_stream.h"
@@ -17,7 +20,10 @@ namespace parloc {
 
 namespace {
 
-constexpr int kLongestMessage = 48 << 20;
+constexpr std::uint64_t kFewestBytesOfRow = 8;
+constexpr int kStepsOfLook = 1000;              // of SQLite's machine, from look to look
+constexpr std::uint64_t kMostStepsOfRow = 200;  // several queries look at every row
+constexpr int kLongestRow = 65 << 20;
 
 struct CloseDatabase {
   void operator()(sqlite3* database) const { sqlite3_close_v2(database); }
@@ -62,11 +68,19 @@ class SqliteBag final : public BagReader {
 
  private:
   void open(const std::string& path);
+  static int is_too_long(void* bag) {
+    auto* self = static_cast<SqliteBag*>(bag);
+    self->steps_ += kStepsOfLook;
+    return self->steps_ > self->most_rows_ * kMostStepsOfRow ? 1 : 0;
+  }
   void read_topics();
   Statement prepare(const char* sql) const;
   bool next_id(std::int64_t& id);
+  bool goes_on();
+  bool end_in_circle();
   bool skip_hole();
   bool fetch(std::int64_t id, BagMessage& message);
+  void count_unreadable(std::int64_t id, int code);
   void count_fault(const std::string& what);
 
   std::string name_;
@@ -77,8 +91,9 @@ class SqliteBag final : public BagReader {
   BagFaults faults_;
   Statement order_, row_;
   bool by_id_ = false;  ///< The order of the stamps cannot be had: the file is damaged.
-  std::int64_t last_id_ = 0, most_id_ = 0;
+  std::int64_t last_id_ = 0, last_stamp_ns_ = 0, most_id_ = 0;
   std::size_t unreadable_ = 0;
+  std::uint64_t most_rows_ = 0, rows_ = 0, steps_ = 0;  ///< Since select().
   std::string unpacked_;
 };
 
@@ -94,7 +109,11 @@ void SqliteBag::open(const std::string& path) {
   database_.reset(database);
   if (code != SQLITE_OK)
     throw input_error(name_, 0, fmt::format("cannot be opened: {}", sqlite3_errstr(code)));
-  sqlite3_limit(database, SQLITE_LIMIT_LENGTH, kLongestMessage);
+  sqlite3_limit(database, SQLITE_LIMIT_LENGTH, kLongestRow);
+  // The pages of a damaged file may go round in a circle: SQLite would follow them for years.
+  std::error_code none;
+  most_rows_ = std::filesystem::file_size(path, none) / kFewestBytesOfRow + 1000;
+  sqlite3_progress_handler(database, kStepsOfLook, &SqliteBag::is_too_long, this);
   sqlite3_db_config(database, SQLITE_DBCONFIG_TRUSTED_SCHEMA, 0, nullptr);
   // Without the first, SQLite does not open a file that is shorter than it says.
   sqlite3_exec(database, "PRAGMA writable_schema=ON; PRAGMA cache_size=-8192; PRAGMA temp_store=FILE",
@@ -144,30 +163,53 @@ std::int64_t SqliteBag::first_stamp_ns() const {
 
 void SqliteBag::select(const std::vector<bool>& topics) {
   wanted_ = topics;
+  rows_ = steps_ = 0;
   last_id_ = 0;
   by_id_ = false;
-  order_ = prepare("SELECT id FROM messages ORDER BY timestamp, id");
-  row_ = prepare("SELECT topic_id, timestamp, data FROM messages WHERE id = ?");
+  order_ = prepare("SELECT id, topic_id, timestamp FROM messages ORDER BY timestamp, id");
+  row_ = prepare("SELECT data FROM messages WHERE id = ?");
 }
 
 // The next message's row. Where the file is damaged, rows come in the order in which they were written.
 bool SqliteBag::next_id(std::int64_t& id) {
   for (;;) {
-    const int code = order_ == nullptr ? SQLITE_CORRUPT : sqlite3_step(order_.get());
+    int code = order_ == nullptr ? SQLITE_CORRUPT : sqlite3_step(order_.get());
     if (code == SQLITE_DONE) return false;
-    if (code == SQLITE_ROW) {
-      id = last_id_ = sqlite3_column_int64(order_.get(), 0);
+    if (code == SQLITE_ROW && goes_on()) {
+      id = last_id_;
       return true;
     }
+    const bool circle = code == SQLITE_ROW || code == SQLITE_INTERRUPT;
+    if (circle && (by_id_ || code == SQLITE_INTERRUPT)) return end_in_circle();
+    if (circle) code = SQLITE_CORRUPT;
     if (!by_id_) {
       count_fault(fmt::format("cut off or damaged ({}): what can be reached is read", sqlite3_errstr(code)));
       by_id_ = true;
-      order_ = prepare("SELECT id FROM messages WHERE id > ?1 ORDER BY id");
+      order_ = prepare("SELECT id, topic_id, timestamp FROM messages WHERE id > ?1 ORDER BY id");
       sqlite3_bind_int64(order_.get(), 1, last_id_);
       continue;
     }
     if (!skip_hole()) return false;
   }
+}
+
+// Whether the row comes after the one before it, as it was asked for. In a circle of pages it does not.
+bool SqliteBag::goes_on() {
+  const std::int64_t id = sqlite3_column_int64(order_.get(), 0);
+  const std::int64_t stamp_ns = sqlite3_column_int64(order_.get(), 2);
+  const bool first = rows_++ == 0;
+  const bool later = by_id_ ? id > last_id_ : std::pair(stamp_ns, id) > std::pair(last_stamp_ns_, last_id_);
+  if (!first && !later) return false;
+  last_id_ = id;
+  last_stamp_ns_ = stamp_ns;
+  return true;
+}
+
+bool SqliteBag::end_in_circle() {
+  count_fault("damaged: its pages go round in a circle; what was read before counts");
+  order_.reset();
+  row_.reset();
+  return false;
 }
 
 // Behind pages that cannot be read: from the nearest row that can, by doubling steps.
@@ -186,35 +228,45 @@ bool SqliteBag::skip_hole() {
   return false;
 }
 
+// The message of the row that next_id() found, if it is wanted and whole.
 bool SqliteBag::fetch(std::int64_t id, BagMessage& message) {
+  const auto topic = topic_of_id_.find(sqlite3_column_int64(order_.get(), 1));
+  if (topic == topic_of_id_.end() || !wanted_[topic->second]) return false;  // before its data are looked for
+  message.topic = topic->second;
+  message.stamp_ns = sqlite3_column_int64(order_.get(), 2);
   sqlite3_reset(row_.get());
   sqlite3_bind_int64(row_.get(), 1, id);
-  const int code = sqlite3_step(row_.get());
-  if (code != SQLITE_ROW) {
-    // Of a file that is cut off, every message from there on: said once.
-    if (!by_id_ && ++unreadable_ > 1) {
-      ++faults_.count;
-    } else if (!by_id_) {
-      count_fault(fmt::format("cut off or damaged ({}): message {} and others are left out",
-                              sqlite3_errstr(code), id));
-    }
+  if (const int code = sqlite3_step(row_.get()); code != SQLITE_ROW) {
+    count_unreadable(id, code);
     return false;
   }
-  const auto topic = topic_of_id_.find(sqlite3_column_int64(row_.get(), 0));
-  if (topic == topic_of_id_.end() || !wanted_[topic->second]) return false;
-  message.topic = topic->second;
-  message.stamp_ns = sqlite3_column_int64(row_.get(), 1);
-  message.bytes = blob_of(row_.get(), 2);
+  message.bytes = blob_of(row_.get(), 0);
   if (sqlite3_errcode(database_.get()) != SQLITE_ROW && message.bytes.empty()) return false;
-  if (!is_zstd(message.bytes)) return true;
+  const std::size_t most = longest_message(topics_[message.topic]);
   try {
-    unpack_zstd(message.bytes, kLongestMessage, unpacked_);
+    if (is_zstd(message.bytes)) {
+      unpack_zstd(message.bytes, most, unpacked_);
+      message.bytes = unpacked_;
+    }
+    if (message.bytes.size() > most)
+      throw Damage{fmt::format("{} bytes: expected at most {}", message.bytes.size(), most)};
   } catch (const Damage& damage) {
     count_fault(fmt::format("message {}: {}", id, damage.what));
     return false;
   }
-  message.bytes = unpacked_;
   return true;
+}
+
+// Of a file that is cut off these are all messages from some place on: said once. By row numbers holes are
+// expected.
+void SqliteBag::count_unreadable(std::int64_t id, int code) {
+  if (by_id_) return;
+  if (++unreadable_ > 1) {
+    ++faults_.count;
+  } else {
+    count_fault(
+        fmt::format("cut off or damaged ({}): message {} and others are left out", sqlite3_errstr(code), id));
+  }
 }
 
 bool SqliteBag::next(BagMessage& message) {

@@ -132,10 +132,11 @@ class CarmenLog final : public LogReader {
   bool failure_counted_ = false;
 };
 
+// Of any message of CARMEN: in capitals. Words of another file are none.
 bool is_message_name(std::string_view name) {
-  const auto letter = [](char c) { return (c >= 'A' && c <= 'Z') || (c >= 'a' && c <= 'z'); };
+  const auto letter = [](char c) { return c >= 'A' && c <= 'Z'; };
   const auto other = [](char c) { return (c >= '0' && c <= '9') || c == '_' || c == '-'; };
-  return name.size() <= 40 && letter(name.front()) &&
+  return name.size() >= 3 && name.size() <= 40 && letter(name.front()) &&
          std::all_of(name.begin(), name.end(), [&](char c) { return letter(c) || other(c); });
 }
 
