@@ -24,7 +24,7 @@ constexpr double kShared = 4.0;
 
 struct Pairing {
   double normal_x, normal_y, error_m, lever_m;
-  bool near;  ///< Within the last gate.
+  double normal_variance;
 };
 
 /// The nearest piece of `reference` to a place, looked for around its bearing; -1 if none is in reach.
@@ -70,7 +70,8 @@ void pair_up(const LineScan& reference, const LineScan& moved, const Pose& step,
     const double length = std::sqrt(nx * nx + ny * ny);
     nx /= length, ny /= length;
     const double error_m = nx * (x - q.x_m) + ny * (y - q.y_m);
-    pairings.push_back({nx, ny, error_m, ny * rx - nx * ry, std::fabs(error_m) < kLastGate_m});
+    pairings.push_back({nx, ny, error_m, ny * rx - nx * ry,
+                        0.25 * (p.normal_variance + q.normal_variance)});
   }
 }
 
@@ -88,6 +89,49 @@ NormalEquations<3> equations_of(const std::vector<Pairing>& pairings, double sig
     equations.add({p.normal_x, p.normal_y, p.lever_m}, -p.error_m, 1.0 / (1.0 + e * e));
   }
   return equations;
+}
+
+/// K M K^T of a symmetric M, of which the lower triangle is read.
+Matrix3 congruent(const Matrix3& k, const Matrix3& m) {
+  Matrix3 out{};
+  for (std::size_t i = 0; i < 3; ++i)
+    for (std::size_t j = 0; j < 3; ++j)
+      for (std::size_t a = 0; a < 3; ++a)
+        for (std::size_t b = 0; b < 3; ++b)
+          out[i][j] += k[i][a] * m[std::max(a, b)][std::min(a, b)] * k[j][b];
+  return out;
+}
+
+/// Normals that are off by chance seem to tell of places along a wall, too; what they would is taken off.
+void take_off_chance(const std::vector<Pairing>& pairings, double sigma_m, NormalEquations<3>& equations) {
+  std::array<std::array<double, 2>, 2> chance{};
+  for (const Pairing& p : pairings) {
+    const double e = p.error_m / (2.0 * sigma_m);
+    const double weight = p.normal_variance / (1.0 + e * e);
+    chance[0][0] += weight * p.normal_y * p.normal_y;
+    chance[1][1] += weight * p.normal_x * p.normal_x;
+    chance[0][1] -= weight * p.normal_x * p.normal_y;
+  }
+  auto& m = equations.matrix;
+  // The direction in which the scan tells least.
+  const double middle = 0.5 * (m[0][0] + m[1][1]), half = 0.5 * (m[0][0] - m[1][1]);
+  const double least = middle - std::sqrt(half * half + m[1][0] * m[1][0]);
+  double ex = m[1][0], ey = least - m[0][0];
+  if (std::fabs(m[1][1] - least) > std::fabs(m[0][0] - least)) ex = least - m[1][1], ey = m[1][0];
+  const double length_sq = ex * ex + ey * ey;
+  if (!(length_sq > 0.0)) return;
+  const double by_chance =
+      (chance[0][0] * ex * ex + 2.0 * chance[0][1] * ex * ey + chance[1][1] * ey * ey) / length_sq;
+  constexpr double kSurely = 3.0;  // times what is expected
+  const double left = std::max(least - kSurely * by_chance, 0.0);
+  // All that it tells in that direction gets the factor, couplings to the turn included: it stays a
+  // covariance.
+  const double shrunk = 1.0 - std::sqrt(least > 0.0 ? left / least : 0.0);
+  std::array<std::array<double, 3>, 3> keep{};
+  const std::array<double, 3> e{ex / std::sqrt(length_sq), ey / std::sqrt(length_sq), 0.0};
+  for (std::size_t i = 0; i < 3; ++i)
+    for (std::size_t j = 0; j < 3; ++j) keep[i][j] = (i == j ? 1.0 : 0.0) - shrunk * e[i] * e[j];
+  m = congruent(keep, m);
 }
 
 void add_prior(NormalEquations<3>& equations, double sigma_m) {
@@ -119,6 +163,7 @@ LineMatch match_lines(const LineScan& reference, const LineScan& moved, const Po
     gate_m = still ? kLastGate_m : std::max(kNarrower * gate_m, kLastGate_m);
   }
   NormalEquations<3> equations = equations_of(pairings, sigma_m);
+  take_off_chance(pairings, sigma_m, equations);
   add_prior(equations, sigma_m);
   Matrix3 full = equations.matrix;
   if (!invert(full, match.covariance)) return match;

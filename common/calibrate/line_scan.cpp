@@ -99,7 +99,8 @@ bool fit_piece(const Ring& ring, std::ptrdiff_t middle, WallPiece& piece) {
   if (std::fabs(yy - least) > std::fabs(xx - least)) nx = least - yy, ny = xy;
   const double length = std::sqrt(nx * nx + ny * ny);
   if (!(length > 0.0)) return false;
-  piece = {x, y, nx / length, ny / length};
+  constexpr double kLeastAcross_m2 = 1e-4;  // of few ends it may be nearly nothing by chance
+  piece = {x, y, nx / length, ny / length, std::max(across, kLeastAcross_m2) / (n * along)};
   return true;
 }
 

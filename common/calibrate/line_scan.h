@@ -14,6 +14,7 @@ namespace parloc {
 /// The middle of some neighbouring beams' ends that lie on a line, and the line's normal.
 struct WallPiece {
   double x_m, y_m, normal_x, normal_y;
+  double normal_variance;  ///< Of the normal's direction [rad^2].
 };
 
 struct LineScan {

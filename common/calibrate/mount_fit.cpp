@@ -25,10 +25,12 @@ constexpr std::array<double, 3> kLeastWidth{0.0005, 0.0005, 0.0003};
 /// Fewer motions of a kind than this share their widths with the other kind.
 constexpr std::size_t kFewestOfKind = 8;
 constexpr std::size_t kFewestMotions = 4;
+/// A motion is of one kind if it has no more than this share of the other.
+constexpr double kMixed = 0.25;
 
 using Equations = NormalEquations<kUnknowns>;
 
-/// Noise of the odometry over one motion: of those that are ways, and of those that are turns.
+/// Noise of the odometry over one step between key scans, of a way and of a turn; variances grow with either.
 struct Widths {
   std::array<std::array<double, 3>, 2> of{{{0.02, 0.02, 0.02}, {0.02, 0.02, 0.02}}};
 };
@@ -47,11 +49,11 @@ struct Solution {
   std::size_t unlike = 0;
 };
 
-Matrix3 weight_of(const Residual& r, const Widths& widths, bool turns, double& log_det) {
+Matrix3 weight_of(const Residual& r, const Widths& widths, double& log_det) {
   Matrix3 sum = r.covariance, weight{};
   for (std::size_t k = 0; k < 3; ++k) {
-    const double width = widths.of[turns ? 1 : 0][k];
-    sum[k][k] += width * width;
+    const double way = widths.of[0][k], turn = widths.of[1][k];
+    sum[k][k] += way * way * r.ways + turn * turn * r.turns + kLeastWidth[k] * kLeastWidth[k];
   }
   const double det = sum[0][0] * (sum[1][1] * sum[2][2] - sum[1][2] * sum[1][2]) -
                      sum[0][1] * (sum[0][1] * sum[2][2] - sum[1][2] * sum[0][2]) +
@@ -74,7 +76,7 @@ double dot(const std::array<double, 3>& a, const std::array<double, 3>& b) {
 }
 
 /// Robustly, from the errors that the matches do not explain.
-Widths widths_of(const Problem& problem, const std::vector<Residual>& residuals) {
+Widths widths_of(const std::vector<Residual>& residuals) {
   Widths widths;
   for (std::size_t kind = 0; kind < 2; ++kind) {
     for (std::size_t axis = 0; axis < 3; ++axis) {
@@ -82,10 +84,12 @@ Widths widths_of(const Problem& problem, const std::vector<Residual>& residuals)
       for (const bool all : {false, true}) {
         if (all && errors.size() >= kFewestOfKind) break;
         errors.clear(), explained.clear();
-        for (std::size_t k = 0; k < residuals.size(); ++k) {
-          if (!all && problem.pairs[k].turns != (kind == 1)) continue;
-          errors.push_back(std::fabs(residuals[k].error[axis]));
-          explained.push_back(residuals[k].covariance[axis][axis]);
+        for (const Residual& r : residuals) {
+          const double own = kind == 0 ? r.ways : r.turns, other = kind == 0 ? r.turns : r.ways;
+          if (!all && other > kMixed * own) continue;
+          const double size = all ? std::max(r.ways + r.turns, kMixed) : std::max(own, kMixed);
+          errors.push_back(std::fabs(r.error[axis]) / std::sqrt(size));
+          explained.push_back(r.covariance[axis][axis] / size);
         }
       }
       const double spread = 1.4826 * median(ascending(std::move(errors)));
@@ -110,7 +114,7 @@ Equations equations_at(const Problem& problem, const std::vector<Residual>& resi
   solution.unlike = 0;
   for (std::size_t k = 0; k < residuals.size(); ++k) {
     double log_det = 0.0;
-    const Matrix3 weight = weight_of(residuals[k], solution.widths, problem.pairs[k].turns, log_det);
+    const Matrix3 weight = weight_of(residuals[k], solution.widths, log_det);
     const double squared = dot(residuals[k].error, times(weight, residuals[k].error));
     const double robust = student_weight(squared);
     solution.unlike += squared > kUnlike ? 1 : 0;
@@ -163,7 +167,7 @@ Solution solve(const Problem& problem, const Unknowns& start) {
   for (int round = 0;; ++round) {
     const std::vector<Residual> residuals = residuals_at(problem.pairs, problem.path, solution.at, problem.free[kSide]);
     const Derivatives derivatives = derivatives_at(problem.pairs, problem.path, solution.at, problem.free);
-    solution.widths = widths_of(problem, residuals);
+    solution.widths = widths_of(residuals);
     Equations scatter;
     Equations equations =
         equations_at(problem, residuals, derivatives, solution.at, solution, &scatter);

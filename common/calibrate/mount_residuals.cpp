@@ -49,7 +49,18 @@ Residual residual_of(const PairMotion& pair, const Pose& odometry, const Pose& X
                     (half.cos * lever_y - half.sin * lever_x) / drive},
                    {0.0, 0.0, 1.0 / turn}}};
   r.covariance = carried(J, pair.covariance);
+  r.ways = distance_m({}, base) / ScanMotions::kKeyStep_m;
+  r.turns = std::fabs(base.theta_rad) / ScanMotions::kKeyTurn_rad;
   return r;
+}
+
+/// A step that is hardly any says nothing of what it would be multiplied by: its noise would, and as that is
+/// in the error, too, it would make the factor small.
+bool tells_of(std::size_t unknown, const Pose& step) {
+  constexpr double kLeast_m = 0.25 * ScanMotions::kKeyStep_m, kLeast_rad = 0.25 * ScanMotions::kKeyTurn_rad;
+  if (unknown == kDrive || unknown == kSide || unknown == kDrift) return distance_m({}, step) >= kLeast_m;
+  if (unknown == kTurn) return std::fabs(step.theta_rad) >= kLeast_rad;
+  return true;
 }
 
 }  // namespace
@@ -60,7 +71,7 @@ std::vector<PairMotion> pair_motions(const LidarMotions& lidar, bool upside_down
     if (!m.usable) continue;
     const Pose step = upside_down ? mirrored(m.match.step) : m.match.step;
     pairs.push_back({lidar.keys[m.from].time_s, lidar.keys[m.from + 1].time_s, step,
-                     upside_down ? mirrored_covariance(m.match.covariance) : m.match.covariance, m.turns});
+                     upside_down ? mirrored_covariance(m.match.covariance) : m.match.covariance});
   }
   return pairs;
 }
@@ -81,6 +92,9 @@ std::vector<Residual> residuals_at(const std::vector<PairMotion>& pairs, Odometr
 Derivatives derivatives_at(const std::vector<PairMotion>& pairs, OdometryPath& path, const Unknowns& at,
                            const std::array<bool, 8>& free) {
   const Unknowns width{1e-4, 1e-4, 1e-5, 1e-5, 1e-5, std::max(0.05, path.period_s()), 1e-5, 1e-5};
+  const Pose X{at[kX], at[kY], at[kYaw]}, back = inverse(X);
+  std::vector<Pose> steps;
+  for (const PairMotion& pair : pairs) steps.push_back(compose(compose(X, pair.step), back));
   Derivatives derivatives;
   for (std::size_t i = 0; i < at.size(); ++i) {
     if (!free[i]) continue;
@@ -91,7 +105,8 @@ Derivatives derivatives_at(const std::vector<PairMotion>& pairs, OdometryPath& p
     for (std::size_t k = 0; k < pairs.size(); ++k) {
       std::array<double, 3> d{};
       for (std::size_t axis = 0; axis < 3; ++axis)
-        d[axis] = (more[k].error[axis] - less[k].error[axis]) / (2.0 * width[i]);
+        if (tells_of(i, steps[k]))
+          d[axis] = (more[k].error[axis] - less[k].error[axis]) / (2.0 * width[i]);
       derivatives[i].push_back(d);
     }
   }

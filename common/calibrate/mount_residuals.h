@@ -21,7 +21,6 @@ struct PairMotion {
   double from_s, to_s;
   Pose step;
   Matrix3 covariance;
-  bool turns;
 };
 
 /// The usable motions of a LiDAR, if it is mounted on that side.
@@ -31,6 +30,7 @@ std::vector<PairMotion> pair_motions(const LidarMotions& lidar, bool upside_down
 struct Residual {
   std::array<double, 3> error;
   Matrix3 covariance;  ///< What the match of the scans has in it.
+  double ways, turns;  ///< How far the base went and turned, in steps between key scans.
 };
 
 /// Changes the path's scales. `omni`: the scale to the side is an unknown of its own, else that of the drive.

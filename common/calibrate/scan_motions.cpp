@@ -125,7 +125,6 @@ void ScanMotions::add_scan(const LogRecord& record, double time_s) {
   chain.last_odometry = record.odometry;
   if (is_key) {
     ScanMotion motion{.from = lidar.keys.size() - 1, .gap = gap};
-    motion.turns = distance_m({}, whole) / kKeyStep_m < std::fabs(whole.theta_rad) / kKeyTurn_rad;
     if (chain.unbroken) motion.match = match_lines(chain.key, now, chain.since_key);
     motion.usable = chain.unbroken && motion.match.fits();
     lidar.motions.push_back(motion);

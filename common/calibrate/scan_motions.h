@@ -36,7 +36,6 @@ struct ScanMotion {
   LineMatch match{};     ///< In the frame of the scans as stated: mirrored where they are upside down.
   bool usable = false;   ///< It fits, and there is no gap.
   bool gap = false;      ///< Time without scans between the two.
-  bool turns = false;    ///< The turn made the step one, and not the way.
 };
 
 struct LidarMotions {
