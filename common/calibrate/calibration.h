@@ -19,7 +19,7 @@ struct LidarCalibration {
 
 struct LogCalibration {
   std::vector<LidarCalibration> lidars;
-  bool omni = false;  ///< The odometry drives sideways.
+  bool omni = false;                        ///< The odometry drives sideways.
   double driven_m = 0.0, turned_rad = 0.0;  ///< By the odometry.
   /// Of all LiDARs together: drive, turn, delay, drift and side, in the places that Unknown gives them.
   std::array<Estimate1, kUnknowns> odometry{};

@@ -19,7 +19,8 @@ constexpr int kMostRounds = 40;
 constexpr double kLeastCosine = 0.8;
 /// The error of a piece is not taken to be less than this, nor a match surer than a prior of this width.
 constexpr double kLeastSigma_m = 0.003, kLoosest_m = 1.0, kLoosest_rad = 1.0;
-/// Neighbouring pieces share beams, and walls are not what a straight line says: so many of them are worth one.
+/// Neighbouring pieces share beams, and walls are not what a straight line says: so many of them are worth
+/// one.
 constexpr double kShared = 4.0;
 
 struct Pairing {
@@ -70,8 +71,7 @@ void pair_up(const LineScan& reference, const LineScan& moved, const Pose& step,
     const double length = std::sqrt(nx * nx + ny * ny);
     nx /= length, ny /= length;
     const double error_m = nx * (x - q.x_m) + ny * (y - q.y_m);
-    pairings.push_back({nx, ny, error_m, ny * rx - nx * ry,
-                        0.25 * (p.normal_variance + q.normal_variance)});
+    pairings.push_back({nx, ny, error_m, ny * rx - nx * ry, 0.25 * (p.normal_variance + q.normal_variance)});
   }
 }
 

@@ -69,8 +69,8 @@ void reach_of(const Ring& ring, std::ptrdiff_t middle, std::ptrdiff_t& first, st
   const End& m = ring.at(middle);
   const auto goes_on = [&](std::ptrdiff_t k, std::ptrdiff_t taken) {
     const double dx = ring.at(k).x_m - m.x_m, dy = ring.at(k).y_m - m.y_m;
-    return taken < 2 || (taken < static_cast<std::ptrdiff_t>(kMostNeighbours) &&
-                         dx * dx + dy * dy < kReach_m * kReach_m);
+    return taken < 2 ||
+           (taken < static_cast<std::ptrdiff_t>(kMostNeighbours) && dx * dx + dy * dy < kReach_m * kReach_m);
   };
   first = last = middle;
   while (ring.joined(first - 1) && goes_on(first - 1, middle - first)) --first;

@@ -18,8 +18,8 @@ struct WallPiece {
 };
 
 struct LineScan {
-  std::vector<WallPiece> pieces;      ///< By ascending bearing, at most kMostPieces.
-  std::vector<double> bearings_rad;   ///< Of their middles, -pi to pi.
+  std::vector<WallPiece> pieces;     ///< By ascending bearing, at most kMostPieces.
+  std::vector<double> bearings_rad;  ///< Of their middles, -pi to pi.
   static constexpr std::size_t kMostPieces = 360;
 };
 

@@ -94,8 +94,7 @@ Widths widths_of(const std::vector<Residual>& residuals) {
       }
       const double spread = 1.4826 * median(ascending(std::move(errors)));
       const double rest = spread * spread - median(ascending(std::move(explained)));
-      widths.of[kind][axis] =
-          std::max(std::sqrt(std::max(rest, 0.04 * spread * spread)), kLeastWidth[axis]);
+      widths.of[kind][axis] = std::max(std::sqrt(std::max(rest, 0.04 * spread * spread)), kLeastWidth[axis]);
     }
   }
   return widths;
@@ -118,8 +117,7 @@ Equations equations_at(const Problem& problem, const std::vector<Residual>& resi
     const double squared = dot(residuals[k].error, times(weight, residuals[k].error));
     const double robust = student_weight(squared);
     solution.unlike += squared > kUnlike ? 1 : 0;
-    solution.minus_log_likelihood +=
-        (kFreedom + 3.0) * portable_log64(1.0 + squared / kFreedom) + log_det;
+    solution.minus_log_likelihood += (kFreedom + 3.0) * portable_log64(1.0 + squared / kFreedom) + log_det;
     std::array<double, kUnknowns> gradient{};
     for (std::size_t i = 0; i < kUnknowns; ++i) {
       if (!problem.free[i]) continue;
@@ -165,12 +163,12 @@ Solution solve(const Problem& problem, const Unknowns& start) {
   Solution solution;
   solution.at = start;
   for (int round = 0;; ++round) {
-    const std::vector<Residual> residuals = residuals_at(problem.pairs, problem.path, solution.at, problem.free[kSide]);
+    const std::vector<Residual> residuals =
+        residuals_at(problem.pairs, problem.path, solution.at, problem.free[kSide]);
     const Derivatives derivatives = derivatives_at(problem.pairs, problem.path, solution.at, problem.free);
     solution.widths = widths_of(residuals);
     Equations scatter;
-    Equations equations =
-        equations_at(problem, residuals, derivatives, solution.at, solution, &scatter);
+    Equations equations = equations_at(problem, residuals, derivatives, solution.at, solution, &scatter);
     const std::array<double, kUnknowns> right = equations.right;
     if (!equations.factor()) return solution;
     solution.sigma = sigmas_of(equations, scatter, residuals.size());

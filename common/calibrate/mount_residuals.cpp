@@ -41,13 +41,12 @@ Residual residual_of(const PairMotion& pair, const Pose& odometry, const Pose& X
   // Of the base's step by the sensor's, turned to the heading half-way.
   const double lever_x = whole.sin * X.x_m + whole.cos * X.y_m;
   const double lever_y = whole.sin * X.y_m - whole.cos * X.x_m;
-  const Matrix3 J{{{(half.cos * yaw.cos + half.sin * yaw.sin) / drive,
-                    (half.sin * yaw.cos - half.cos * yaw.sin) / drive,
-                    (half.cos * lever_x + half.sin * lever_y) / drive},
-                   {(half.cos * yaw.sin - half.sin * yaw.cos) / drive,
-                    (half.cos * yaw.cos + half.sin * yaw.sin) / drive,
-                    (half.cos * lever_y - half.sin * lever_x) / drive},
-                   {0.0, 0.0, 1.0 / turn}}};
+  const Matrix3 J{
+      {{(half.cos * yaw.cos + half.sin * yaw.sin) / drive, (half.sin * yaw.cos - half.cos * yaw.sin) / drive,
+        (half.cos * lever_x + half.sin * lever_y) / drive},
+       {(half.cos * yaw.sin - half.sin * yaw.cos) / drive, (half.cos * yaw.cos + half.sin * yaw.sin) / drive,
+        (half.cos * lever_y - half.sin * lever_x) / drive},
+       {0.0, 0.0, 1.0 / turn}}};
   r.covariance = carried(J, pair.covariance);
   r.ways = distance_m({}, base) / ScanMotions::kKeyStep_m;
   r.turns = std::fabs(base.theta_rad) / ScanMotions::kKeyTurn_rad;
@@ -105,8 +104,7 @@ Derivatives derivatives_at(const std::vector<PairMotion>& pairs, OdometryPath& p
     for (std::size_t k = 0; k < pairs.size(); ++k) {
       std::array<double, 3> d{};
       for (std::size_t axis = 0; axis < 3; ++axis)
-        if (tells_of(i, steps[k]))
-          d[axis] = (more[k].error[axis] - less[k].error[axis]) / (2.0 * width[i]);
+        if (tells_of(i, steps[k])) d[axis] = (more[k].error[axis] - less[k].error[axis]) / (2.0 * width[i]);
       derivatives[i].push_back(d);
     }
   }

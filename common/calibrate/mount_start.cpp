@@ -56,11 +56,11 @@ std::array<double, 4> linear_mount(const std::vector<PairMotion>& pairs, const s
     for (std::size_t k = 0; k < pairs.size(); ++k) {
       const Pose& s = pairs[k].step;
       const SinCos64 turn = portable_sincos64(s.theta_rad);
-      const std::array<std::array<double, 4>, 2> rows{{{1.0 - turn.cos, turn.sin, s.x_m, -s.y_m},
-                                                       {-turn.sin, 1.0 - turn.cos, s.y_m, s.x_m}}};
+      const std::array<std::array<double, 4>, 2> rows{
+          {{1.0 - turn.cos, turn.sin, s.x_m, -s.y_m}, {-turn.sin, 1.0 - turn.cos, s.y_m, s.x_m}}};
       const std::array<double, 2> values{odometry[k].x_m, odometry[k].y_m};
-      const double e_sq = (errors[2 * k] * errors[2 * k] + errors[2 * k + 1] * errors[2 * k + 1]) /
-                          (width_m * width_m);
+      const double e_sq =
+          (errors[2 * k] * errors[2 * k] + errors[2 * k + 1] * errors[2 * k + 1]) / (width_m * width_m);
       for (std::size_t axis = 0; axis < 2; ++axis)
         equations.add(rows[axis], values[axis], 1.0 / (1.0 + e_sq));
     }
@@ -71,10 +71,10 @@ std::array<double, 4> linear_mount(const std::vector<PairMotion>& pairs, const s
     for (std::size_t k = 0; k < pairs.size(); ++k) {
       const Pose& s = pairs[k].step;
       const SinCos64 turn = portable_sincos64(s.theta_rad);
-      errors[2 * k] = odometry[k].x_m - ((1.0 - turn.cos) * at[0] + turn.sin * at[1] + s.x_m * at[2] -
-                                         s.y_m * at[3]);
-      errors[2 * k + 1] = odometry[k].y_m - (-turn.sin * at[0] + (1.0 - turn.cos) * at[1] + s.y_m * at[2] +
-                                             s.x_m * at[3]);
+      errors[2 * k] =
+          odometry[k].x_m - ((1.0 - turn.cos) * at[0] + turn.sin * at[1] + s.x_m * at[2] - s.y_m * at[3]);
+      errors[2 * k + 1] =
+          odometry[k].y_m - (-turn.sin * at[0] + (1.0 - turn.cos) * at[1] + s.y_m * at[2] + s.x_m * at[3]);
       sizes.push_back(std::fabs(errors[2 * k]) + std::fabs(errors[2 * k + 1]));
     }
     width_m = std::max(2.0 * median(ascending(std::move(sizes))), 0.01);

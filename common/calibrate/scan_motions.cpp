@@ -11,6 +11,11 @@ namespace {
 /// A stamp so much before the newest is another clock, or another drive.
 constexpr double kOtherClock_s = 2.0, kBetweenDrives_s = 100.0;
 
+/// So many links' way by the odometry, and a link is due whatever the speed was.
+constexpr double kFar = 1.5;
+/// Links per time since the last one of a LiDAR that stands: the next is due when the odometry says so.
+constexpr double kStands = 1e-3;
+
 /// A match as good as this needs no second start.
 constexpr double kGoodShare = 0.8;
 
@@ -86,12 +91,13 @@ std::size_t ScanMotions::lidar_of(const Scan& scan) {
 void ScanMotions::start_key(LidarMotions& lidar, Chain& chain, const LogRecord& record, double time_s,
                             LineScan lines) {
   lidar.keys.push_back({time_s, record.scan});
-  chain.key_odometry = chain.last_odometry = record.odometry;
-  chain.last_s = time_s;
+  chain.linked_odometry = record.odometry;
+  chain.last_s = chain.linked_s = time_s;
   chain.since_key = {};
+  if (!chain.unbroken) chain.due_s = time_s;
   chain.unbroken = true;
   chain.key = lines;
-  chain.last = std::move(lines);
+  chain.linked = std::move(lines);
 }
 
 void ScanMotions::add_scan(const LogRecord& record, double time_s) {
@@ -106,23 +112,18 @@ void ScanMotions::add_scan(const LogRecord& record, double time_s) {
                      lidar_setup(record.scan, config_, find_lidar(settings_, record.scan.sensor)));
   };
   if (lidar.keys.empty()) return start_key(lidar, chain, record, time_s, lines());
-  const Pose step = relative(record.odometry, chain.last_odometry);
-  const Pose whole = relative(record.odometry, chain.key_odometry);
   const bool gap = time_s - chain.last_s > kLongestGap_s;
   chain.unbroken = chain.unbroken && !gap;
   chain.last_s = time_s;
-  const bool is_key =
-      distance_m({}, whole) >= kKeyStep_m || std::fabs(whole.theta_rad) >= kKeyTurn_rad || !chain.unbroken;
-  if (!is_key && distance_m({}, step) < kChainStep_m && std::fabs(step.theta_rad) < kChainTurn_rad) return;
+  const Pose step = relative(record.odometry, chain.linked_odometry);
+  const bool far = distance_m({}, step) >= kFar * kChainStep_m || turn_rad({}, step) >= kFar * kChainTurn_rad;
+  if (chain.unbroken && time_s < chain.due_s && !far) return;
 
   LineScan now = lines();
-  const bool known = chain.unbroken;
-  if (known) {
-    const LineMatch match = match_from_circle(chain.last, now, step);
-    chain.unbroken = match.fits();
-    chain.since_key = compose(chain.since_key, match.step);
-  }
-  chain.last_odometry = record.odometry;
+  if (chain.unbroken) link(chain, now, step, time_s);
+  chain.linked_odometry = record.odometry;
+  const bool is_key = distance_m({}, chain.since_key) >= kKeyStep_m ||
+                      turn_rad({}, chain.since_key) >= kKeyTurn_rad || !chain.unbroken;
   if (is_key) {
     ScanMotion motion{.from = lidar.keys.size() - 1, .gap = gap};
     if (chain.unbroken) motion.match = match_lines(chain.key, now, chain.since_key);
@@ -130,7 +131,18 @@ void ScanMotions::add_scan(const LogRecord& record, double time_s) {
     lidar.motions.push_back(motion);
     return start_key(lidar, chain, record, time_s, std::move(now));
   }
-  chain.last = std::move(now);
+  chain.linked = std::move(now);
+}
+
+/// The next link is due when, by the speed of this one, the LiDAR has moved as far again.
+void ScanMotions::link(Chain& chain, const LineScan& now, const Pose& odometry, double time_s) {
+  const LineMatch match = match_from_circle(chain.linked, now, odometry);
+  chain.unbroken = match.fits();
+  chain.since_key = compose(chain.since_key, match.step);
+  const double links =
+      std::max(distance_m({}, match.step) / kChainStep_m, std::fabs(match.step.theta_rad) / kChainTurn_rad);
+  chain.due_s = time_s + (time_s - chain.linked_s) / std::max(links, kStands);
+  chain.linked_s = time_s;
 }
 
 bool ScanMotions::takes_time(const LidarMotions& lidar) const {

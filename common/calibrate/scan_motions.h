@@ -53,14 +53,15 @@ struct MotionGuess {
   double delay_s = 0.0;  ///< The odometry comes so much later than the scans.
 };
 
-/// Takes the records of a log as they come. A key scan is taken whenever the robot has driven or turned so far
-/// by the odometry: by motion, whatever the rates. Keeps key scans alone, at most kMostKeys of a LiDAR.
+/// Takes the records of a log as they come. A key scan is taken whenever the LiDAR has moved or turned so far
+/// by its scans: by motion, whatever the rates. Not by the odometry: steps would end where its noise makes
+/// them long, and its scales come out wrong. Keeps key scans alone, at most kMostKeys of a LiDAR.
 /// Deterministic on every machine.
 class ScanMotions {
  public:
   /// Long against the noise of a match, short against what scans have in common.
   static constexpr double kKeyStep_m = 0.4, kKeyTurn_rad = 0.4;
-  /// Matched scan by scan until then, as often: so far a match finds by itself.
+  /// Until then scans are linked as often: so far a match finds by itself.
   static constexpr double kChainStep_m = 0.1, kChainTurn_rad = 0.1;
   /// Longer without a scan: nothing is known of what was between.
   static constexpr double kLongestGap_s = 3.0;
@@ -84,14 +85,16 @@ class ScanMotions {
 
  private:
   struct Chain {
-    LineScan key, last;
-    Pose key_odometry, last_odometry;
+    LineScan key, linked;  ///< The last key scan, and the last one that was matched.
+    Pose linked_odometry;
     Pose since_key;  ///< By the scans.
-    double last_s = 0.0;
+    double last_s = 0.0, linked_s = 0.0;
+    double due_s = 0.0;  ///< When the next scan is to be matched.
     bool unbroken = false;
   };
   double time_of(double stamp_s);
   void add_scan(const LogRecord& record, double time_s);
+  static void link(Chain& chain, const LineScan& now, const Pose& odometry, double time_s);
   std::size_t lidar_of(const Scan& scan);
   void start_key(LidarMotions& lidar, Chain& chain, const LogRecord& record, double time_s, LineScan lines);
 

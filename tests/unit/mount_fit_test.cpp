@@ -95,8 +95,8 @@ TEST(MountFit, FindsEveryMountScaleAndDelay) {
     const MountFit found = fit(rolling, mounts[k], scales, delays_s[k], false);
     EXPECT_TRUE(found.side_known);
     EXPECT_EQ(found.upside_down, mounts[k].upside_down);
-    for (const Unknown u : {Unknown::x, Unknown::y, Unknown::yaw, Unknown::drive, Unknown::turn,
-                            Unknown::delay})
+    for (const Unknown u :
+         {Unknown::x, Unknown::y, Unknown::yaw, Unknown::drive, Unknown::turn, Unknown::delay})
       EXPECT_TRUE(found[u].determined) << k << " " << static_cast<int>(u);
     EXPECT_LT(distance_m(found.mount().T_base_sensor, mounts[k].T_base_sensor), 0.001) << k;
     EXPECT_LT(turn_rad(found.mount().T_base_sensor, mounts[k].T_base_sensor), 0.001) << k;
@@ -116,16 +116,22 @@ TEST(MountFit, FindsBothScalesOfARobotThatDrivesSideways) {
 }
 
 TEST(MountFit, SaysWhatADriveLeavesOpen) {
-  const MountFit straight =
-      fit([](double t_s) { return Pose{0.5 * t_s, 0.0, 0.0}; }, {{0.2, 0.0, 1.0}, false}, {}, 0.0, false);
+  const MountFit straight = fit(
+      [](double t_s) {
+        return Pose{0.5 * t_s, 0.0, 0.0};
+      },
+      {{0.2, 0.0, 1.0}, false}, {}, 0.0, false);
   EXPECT_NEAR(straight[Unknown::yaw].value, 1.0, 0.01);
   EXPECT_TRUE(straight[Unknown::drive].determined);
   EXPECT_FALSE(straight.side_known);
   for (const Unknown u : {Unknown::x, Unknown::y, Unknown::turn, Unknown::delay})
     EXPECT_FALSE(straight[u].determined) << static_cast<int>(u);
 
-  const MountFit spinning = fit([](double t_s) { return Pose{1.0, 2.0, 0.7 * t_s}; },
-                                {{0.2, 0.1, 1.0}, true}, {}, 0.0, false);
+  const MountFit spinning = fit(
+      [](double t_s) {
+        return Pose{1.0, 2.0, 0.7 * t_s};
+      },
+      {{0.2, 0.1, 1.0}, true}, {}, 0.0, false);
   EXPECT_TRUE(spinning.side_known);
   EXPECT_TRUE(spinning.upside_down);
   EXPECT_TRUE(spinning[Unknown::turn].determined);
@@ -161,9 +167,9 @@ TEST(OdometryScaler, PutsScalesRightWhateverTheReadings) {
     if (k == 0) first = by_all;
     if (k % 3 == 0) by_some = some.take(raw[k].pose);
     if (k % 3 == 0 && k > 0) some.take(raw[k - 1].pose), by_some = some.take(raw[k].pose);
-    if (k == 5400)
-      EXPECT_LT(distance_m(relative(by_all, first), relative(way(0.02 * 5400), way(0.0))), 1e-6);
-    if (k == 5400) EXPECT_LT(distance_m(by_all, by_some), 0.01);
+    if (k != 5400) continue;
+    EXPECT_LT(distance_m(relative(by_all, first), relative(way(0.02 * 5400), way(0.0))), 1e-6);
+    EXPECT_LT(distance_m(by_all, by_some), 0.01);
   }
   const MotionConfig one;
   OdometryScaler unscaled(one);

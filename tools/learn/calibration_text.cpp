@@ -90,9 +90,9 @@ CalibrationParts calibration_parts(const std::string& what) {
     } else if (word == "delay") {
       parts.delay = true;
     } else {
-      throw Error(ErrorKind::usage,
-                  fmt::format("--what: expected sensor, or some of mount,odometry,delay, got '{}'",
-                              printable(word)));
+      throw Error(
+          ErrorKind::usage,
+          fmt::format("--what: expected sensor, or some of mount,odometry,delay, got '{}'", printable(word)));
     }
   }
   return parts;
@@ -115,22 +115,21 @@ std::vector<CalibrationRow> odometry_rows(const LogCalibration& found, const Cal
     if (found.omni)
       rows.push_back({"scale sideways", "", "odometry_scale_side", found[Unknown::side],
                       stated.odometry_scale_side, 1.0});
-    rows.push_back({"scale of turn", "", "odometry_scale_turn", found[Unknown::turn],
-                    stated.odometry_scale_turn, 1.0});
+    rows.push_back(
+        {"scale of turn", "", "odometry_scale_turn", found[Unknown::turn], stated.odometry_scale_turn, 1.0});
     rows.push_back({"turns besides", "deg/m", "drift_rad_per_m", found[Unknown::drift], 0.0, kDegrees});
   }
   if (parts.delay)
-    rows.push_back(
-        {"delay", "s", "odometry_delay_s", found[Unknown::delay], stated.odometry_delay_s, 1.0});
+    rows.push_back({"delay", "s", "odometry_delay_s", found[Unknown::delay], stated.odometry_delay_s, 1.0});
   return rows;
 }
 
 std::string calibration_table(const LogCalibration& found, const CalibrationParts& parts,
                               const MotionConfig& stated) {
-  std::string text =
-      fmt::format("{:.1f} m driven and {:.0f} degrees turned, by the odometry\n"
-                  "  {:<16} {:<7} {:>10} {:>10} {:>10} {:>11}\n",
-                  found.driven_m, found.turned_rad * kDegrees, "", "", "value", "+-", "stated", "difference");
+  std::string text = fmt::format(
+      "{:.1f} m driven and {:.0f} degrees turned, by the odometry\n"
+      "  {:<16} {:<7} {:>10} {:>10} {:>10} {:>11}\n",
+      found.driven_m, found.turned_rad * kDegrees, "", "", "value", "+-", "stated", "difference");
   for (const LidarCalibration& lidar : found.lidars) {
     text += fmt::format("{}: {} motions compared, {} scans{}\n", lidar.name, lidar.fit.motions, lidar.scans,
                         lidar.fit.unlike > 0
@@ -190,7 +189,8 @@ nlohmann::ordered_json calibration_json(const LogCalibration& found, const Calib
     }
     j["lidars"].push_back(one);
   }
-  for (const CalibrationRow& row : odometry_rows(found, parts, stated)) j["odometry"][row.key] = row_json(row);
+  for (const CalibrationRow& row : odometry_rows(found, parts, stated))
+    j["odometry"][row.key] = row_json(row);
   j["not_determined"] = open_names(found, parts, stated);
   return j;
 }
