@@ -9,6 +9,7 @@ namespace parloc {
 void StepFrontEnd::clear() {
   track_.clear();
   continuous_.clear();
+  scaler_.clear();
   set_lidars_used({});
   is_prepared_ = false;
   odometry_.reset();
@@ -17,9 +18,10 @@ void StepFrontEnd::clear() {
 }
 
 std::optional<OdometryReading> StepFrontEnd::prepare_odometry(double stamp_s, const Pose& odometry) {
-  add_odometry(stamp_s, odometry);
   const double delay_s = config_.motion.odometry_delay_s;
-  const Pose then = delay_s != 0.0 ? compose(odometry, track_.motion(stamp_s - delay_s, stamp_s)) : odometry;
+  const Pose scaled = scaler_.take(odometry);
+  track_.add(stamp_s - delay_s, scaled);
+  const Pose then = delay_s != 0.0 ? compose(scaled, track_.motion(stamp_s - delay_s, stamp_s)) : scaled;
   prepared_ = continuous_.take(stamp_s, then);
   if (prepared_) {
     elapsed_s_ += prepared_->elapsed_s;
@@ -115,19 +117,7 @@ std::vector<EndPoint> StepFrontEnd::end_points_of(const Scan& scan) const {
 
 BeamCounts StepFrontEnd::beam_counts() const {
   BeamCounts sum;
-  for (const LidarUse& lidar : used_) {
-    const BeamCounts& c = lidar.beams;
-    sum.total += c.total;
-    sum.considered += c.considered;
-    sum.used += c.used;
-    sum.misses += c.misses;
-    sum.masked += c.masked;
-    sum.nan += c.nan;
-    sum.infinite += c.infinite;
-    sum.negative += c.negative;
-    sum.zero += c.zero;
-    sum.below_min += c.below_min;
-  }
+  for (const LidarUse& lidar : used_) sum += lidar.beams;
   return sum;
 }
 

@@ -10,6 +10,7 @@
 #include "common/model/beams.h"
 #include "common/model/continuous_odometry.h"
 #include "common/model/motion.h"
+#include "common/model/odometry_scaler.h"
 #include "common/model/odometry_track.h"
 
 namespace parloc {
@@ -19,12 +20,12 @@ class StepFrontEnd {
  public:
   /// `config` outlives this.
   explicit StepFrontEnd(const StepConfig& config)
-      : config_(config), track_(config.motion), continuous_(config.motion) {}
+      : config_(config), scaler_(config.motion), track_(config.motion), continuous_(config.motion) {}
   void clear();
 
   /// A reading between steps, in any order. One that is not finite is left out.
   void add_odometry(double stamp_s, const Pose& odometry) {
-    track_.add(stamp_s - config_.motion.odometry_delay_s, odometry);
+    track_.add(stamp_s - config_.motion.odometry_delay_s, scaler_.take(odometry));
   }
   /// The reading of a step, as it is to be used: at the time of the scan, and without the odometry's own
   /// jumps (ContinuousOdometry). Nothing if it is not finite: the step is to be skipped.
@@ -58,6 +59,8 @@ class StepFrontEnd {
   BeamCounts beam_counts() const;  ///< Summed over all LiDARs.
   OdometryTrack& track() { return track_; }
   const OdometryTrack& track() const { return track_; }
+  OdometryScaler& scaler() { return scaler_; }
+  const OdometryScaler& scaler() const { return scaler_; }
   ContinuousOdometry& continuous() { return continuous_; }
   const ContinuousOdometry& continuous() const { return continuous_; }
 
@@ -65,6 +68,7 @@ class StepFrontEnd {
   const OdometryTrack* track_for(const Scan& scan, const LidarSetup& setup) const;
 
   const StepConfig& config_;
+  OdometryScaler scaler_;
   OdometryTrack track_;
   std::vector<LidarUse> used_;
   std::vector<BeamDirections> directions_;  ///< Of each LiDAR.

@@ -68,4 +68,17 @@ Pose along_arc(const Pose& step, double part) {
           part * (some.sin * forward_m + some.cos * left_m), wrap64(part * step.theta_rad)};
 }
 
+ArcMotion arc_motion(const Pose& step) {
+  const SinCos64 mean = mean_direction(step.theta_rad);
+  const double scale = 1.0 / (mean.cos * mean.cos + mean.sin * mean.sin);
+  return {(mean.cos * step.x_m + mean.sin * step.y_m) * scale,
+          (mean.cos * step.y_m - mean.sin * step.x_m) * scale, step.theta_rad};
+}
+
+Pose arc_end(const ArcMotion& m) {
+  const SinCos64 mean = mean_direction(m.turn_rad);
+  return {mean.cos * m.ahead_m - mean.sin * m.side_m, mean.sin * m.ahead_m + mean.cos * m.side_m,
+          wrap64(m.turn_rad)};
+}
+
 }  // namespace parloc

@@ -37,4 +37,14 @@ Pose blend(const Pose& a, const Pose& b, double part);
 /// identity for part 0 and for a step of nothing.
 Pose along_arc(const Pose& step, double part);
 
+/// A step at constant speed and turn rate: how far the body goes along its heading and to its side, and how
+/// far it turns meanwhile.
+struct ArcMotion {
+  double ahead_m = 0.0, side_m = 0.0, turn_rad = 0.0;
+};
+/// The one that ends at `step`, which turns by less than half a turn.
+ArcMotion arc_motion(const Pose& step);
+/// Where it ends, seen from its start.
+Pose arc_end(const ArcMotion& motion);
+
 }  // namespace parloc

@@ -15,6 +15,11 @@ struct BeamCounts {
   std::size_t masked = 0;      ///< Among the considered: they see the robot itself (LidarConfig::mask).
   std::size_t nan = 0, infinite = 0, negative = 0, zero = 0, below_min = 0;  ///< Rejected, by reason.
 
+  BeamCounts& operator+=(const BeamCounts& c) {
+    total += c.total, considered += c.considered, used += c.used, misses += c.misses, masked += c.masked;
+    nan += c.nan, infinite += c.infinite, negative += c.negative, zero += c.zero, below_min += c.below_min;
+    return *this;
+  }
   std::size_t rejected() const { return nan + infinite + negative + below_min + zero; }
 };
 

@@ -131,6 +131,10 @@ void add_settings(Settings& s, MotionConfig& motion) {
         {0, 1000, true});
   s.add("odometry_delay_s", "The odometry comes so much later than the scans [s]", motion.odometry_delay_s,
         {-2, 2});
+  s.add("odometry_scale_drive", "Its metres times this are true ones (parloc learn)",
+        motion.odometry_scale_drive, {0.1, 10});
+  s.add("odometry_scale_turn", "Its turns times this are true ones", motion.odometry_scale_turn, {0.1, 10});
+  s.add("odometry_scale_side", "omni: likewise to the side", motion.odometry_scale_side, {0.1, 10});
 }
 
 void add_settings(Settings& s, ScanConfig& scan) {

@@ -30,6 +30,9 @@ struct MotionConfig {
   double max_jump_m = 1.0;              ///< Where stamps stand still: a longer step is a jump.
   /// How much later than the scans the odometry comes: what is stamped t was true at t minus this.
   double odometry_delay_s = 0.0;
+  /// What its motion is multiplied by to be the true one: along the heading, of turns, and (omni) to the
+  /// side.
+  double odometry_scale_drive = 1.0, odometry_scale_turn = 1.0, odometry_scale_side = 1.0;
 };
 
 }  // namespace parloc

@@ -102,6 +102,7 @@ void read_odometry(const YamlSection& section, SimulatedOdometry& odometry) {
   double drift_deg_per_m = 0.0;
   section.number("drift_deg_per_m", drift_deg_per_m, -360.0, 360.0);
   odometry.drift_rad_per_m = drift_deg_per_m * kRadPerDeg;
+  section.number("delay", odometry.delay_s, 0.0, 10.0);
   read_pose(section, "start", odometry.start);
 }
 

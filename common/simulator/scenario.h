@@ -69,6 +69,7 @@ struct SimulatedOdometry {
   double scale_translation = 1.0;  ///< Wrong wheel radius.
   double scale_rotation = 1.0;     ///< Wrong wheel base.
   double drift_rad_per_m = 0.0;    ///< Unequal wheels.
+  double delay_s = 0.0;            ///< What it says was true so much earlier.
   Pose start;                      ///< Pose of the odometry when the drive begins, in the odometry frame.
 };
 

@@ -273,7 +273,7 @@ SimulatedLog simulate(const Scenario& scenario, const GridMap& map,
   for (std::int64_t tick = 0; tick <= schedule.last_tick; tick += schedule.odometry_ticks) {
     const double stamp_s = static_cast<double>(tick) / static_cast<double>(kTicksPerSecond);
     const Pose truth = pose_at(drive, stamp_s);
-    if (tick > 0) wheels.move_to(truth);
+    if (tick > 0) wheels.move_to(pose_at(drive, stamp_s - scenario.odometry.delay_s));
     LogRecord record;
     record.stamp_s = stamp_s;
     record.odometry = wheels.pose();

@@ -145,6 +145,15 @@ std::optional<OdometryMemory> get_odometry_memory(ByteReader& r) {
   memory.rebased = r.get_bool();
   return memory;
 }
+void put_scaler_memory(ByteWriter& w, const std::optional<OdometryScaler::Memory>& memory) {
+  w.put_bool(memory.has_value());
+  if (memory) put_pose(w, memory->raw), put_pose(w, memory->pose);
+}
+std::optional<OdometryScaler::Memory> get_scaler_memory(ByteReader& r) {
+  if (!r.get_bool()) return std::nullopt;
+  const Pose raw = get_pose(r);
+  return OdometryScaler::Memory{raw, get_pose(r)};
+}
 void put_lidars(ByteWriter& w, const std::vector<LidarUse>& lidars) {
   w.put_each(lidars, [](ByteWriter& out, const LidarUse& use) {
     out.put_text(use.name);

@@ -10,6 +10,7 @@
 #include "common/model/beam_counts.h"
 #include "common/model/beams.h"
 #include "common/model/continuous_odometry.h"
+#include "common/model/odometry_scaler.h"
 #include "common/model/trajectory.h"
 #include "common/slam/scan_odometry.h"
 #include "common/slam/slam_backend.h"
@@ -25,6 +26,9 @@ std::vector<StampedPose> get_readings(ByteReader& r);
 /// Of a ContinuousOdometry.
 void put_odometry_memory(ByteWriter& w, const std::optional<OdometryMemory>& memory);
 std::optional<OdometryMemory> get_odometry_memory(ByteReader& r);
+/// Of an OdometryScaler.
+void put_scaler_memory(ByteWriter& w, const std::optional<OdometryScaler::Memory>& memory);
+std::optional<OdometryScaler::Memory> get_scaler_memory(ByteReader& r);
 void put_lidars(ByteWriter& w, const std::vector<LidarUse>& lidars);
 std::vector<LidarUse> get_lidars(ByteReader& r);
 

@@ -107,7 +107,7 @@ struct GridSlam::State {
     if (!scan_odometry) return far_enough(now) && take_in(scan);
     const bool enough = take_in(scan);
     now = scan_odometry->step(scan.stamp_s, beams, front_end.lidar_of(scan), enough);
-    front_end.add_odometry(scan.stamp_s, now);
+    front_end.track().add(scan.stamp_s, now);  // of its own: neither late nor out of scale
     return enough && far_enough(now);
   }
   /// What the sensor models of a filter on a map need of a beam is not read here.
@@ -166,6 +166,7 @@ void GridSlam::State::save(ByteWriter& w) const {
   w.put_bool(front_end.odometry().has_value());
   if (front_end.odometry()) put_pose(w, *front_end.odometry());
   put_odometry_memory(w, front_end.continuous().memory());
+  if (front_end.scaler().active()) put_scaler_memory(w, front_end.scaler().memory());
   w.put_each(moments, put_moment);
   w.put_each(odometry_of, put_pose);
   w.put_each(records, put_record);
@@ -181,6 +182,7 @@ void GridSlam::State::load(ByteReader& r) {
   front_end.set_lidars_used(get_lidars(r));
   if (r.get_bool()) front_end.set_odometry(get_pose(r));
   front_end.continuous().restore(get_odometry_memory(r));
+  if (front_end.scaler().active()) front_end.scaler().restore(get_scaler_memory(r));
   moments = r.get_each(41, get_moment);
   odometry_of = r.get_each(24, get_pose);
   records = r.get_each(33, get_record);

@@ -1,4 +1,5 @@
-// parloc learn: the numbers of the beam mixture, from a log with known poses.
+// parloc learn: the numbers of the beam mixture, from a log with known poses; or where LiDARs sit and how the
+// odometry errs, from a log alone.
 #include <fmt/format.h>
 
 #include <CLI/CLI.hpp>
@@ -16,6 +17,7 @@
 #include "common/inputs/open_map.h"
 #include "common/inputs/open_truth.h"
 #include "common/model/model_settings.h"
+#include "tools/learn/calibrate.h"
 #include "tools/learn/learn.h"
 #include "tools/learn/odometry_delay.h"
 #include "tools/program/commands.h"
@@ -29,26 +31,28 @@ namespace {
 
 struct LearnOptions : ConfigOptions {
   std::string map, log, truth;
-  std::string out = "parloc_learned";
-  bool quiet = false;
+  std::string out = "parloc_learned", what = "sensor";
+  bool quiet = false, json = false;
 };
 
 constexpr const char* kConfig = "sensor.yaml";
 constexpr const char* kPicture = "mixture.png";
 
 void declare(CLI::App& app, LearnOptions& o) {
-  add_text_option(app, "--map", o.map, "M.yaml", "ROS map_server YAML")->required();
+  add_text_option(app, "--map", o.map, "M.yaml", "ROS map_server YAML");
   add_log_options(app, o, o.log)->required();
-  add_text_option(app, "--truth", o.truth, "T.tum", "True poses, or the trajectory.tum of a run")->required();
+  add_text_option(app, "--truth", o.truth, "T.tum", "True poses, or the trajectory.tum of a run");
+  add_text_option(app, "--what", o.what, "W", "sensor (default), or some of mount,odometry,delay");
   add_text_option(app, "--config", o.config, "C.yaml", "Where the search starts, and which beams are used");
   add_text_option(app, "--beams", o.beams, "B", "Beams used of a scan, 1 to 4096");
   add_text_option(app, "--out", o.out, "DIR", "Folder for the results (parloc_learned)");
   app.add_flag("--quiet", o.quiet, "No progress; print the settings alone");
+  app.add_flag("--json", o.json, "mount, odometry, delay: print JSON instead");
   app.footer(
-      "Learns z_hit, z_short, z_max, z_rand, sigma_hit and lambda_short of the models\n"
-      "beam and class_conditional from measured and expected ranges (EM), and\n"
-      "odometry_delay_s from turns (written if it is sure). Prints a block for a\n"
-      "configuration; writes it (sensor.yaml) and a histogram (mixture.png).");
+      "sensor: learns z_hit, z_short, z_max, z_rand, sigma_hit and lambda_short of beam and\n"
+      "class_conditional from measured and expected ranges (EM), with --map and --truth.\n"
+      "mount,odometry,delay: where LiDARs sit, scales and delay of the odometry, from the\n"
+      "log alone, with standard deviations (docs/calibration.md).");
 }
 
 Config learn_config(const LearnOptions& o) {
@@ -117,6 +121,13 @@ RangePairsOfLog collect(const LearnOptions& o, const Config& config) {
 }
 
 int run(const LearnOptions& o, const std::string& typed) {
+  if (o.what != "sensor") {
+    if (!o.map.empty() || !o.truth.empty())
+      throw Error(ErrorKind::usage, "--map and --truth are for --what sensor");
+    return calibrate_log({o.log, o.what, o.out, o.quiet, o.json}, effective_config(o), typed);
+  }
+  if (o.map.empty()) throw Error(ErrorKind::usage, "--map is required");
+  if (o.truth.empty()) throw Error(ErrorKind::usage, "--truth is required");
   const Config config = learn_config(o);
   OutputFolder out(o.out, {kConfig, kPicture});
   catch_interrupts();
@@ -153,7 +164,7 @@ int run(const LearnOptions& o, const std::string& typed) {
 }  // namespace
 
 Command add_learn_command(CLI::App& program) {
-  return add_command<LearnOptions>(program, "learn", "Learn the beam mixture from a log with known poses",
+  return add_command<LearnOptions>(program, "learn", "Learn a sensor model, or where LiDARs sit, from a log",
                                    declare, run);
 }
 

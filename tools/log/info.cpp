@@ -51,7 +51,8 @@ int run(const InfoOptions& o, const std::string&) {
     try {
       const std::unique_ptr<LogReader> log = open_log(o.log, choice);
       info.log = survey_log(
-          *log, [&](double part) { progress.update(done + (1.0 - done) * part, "scans"); }, interrupted);
+          *log, config.lidars, [&](double part) { progress.update(done + (1.0 - done) * part, "scans"); },
+          interrupted);
     } catch (const Error& error) {
       if (error.kind() != ErrorKind::input || !bag) throw;
       info.trouble = error.what();  // what there is in the bag is worth a look all the same

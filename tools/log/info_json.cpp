@@ -75,6 +75,7 @@ std::string info_json(const LogInfo& info) {
     json["odometry"] = odometry_json(info.log->odometry);
     json["broken_lines"] = info.log->warnings.broken_lines;
     json["notes"] = open_notes(info.log->warnings.notes, info.lidars);
+    for (const LogNote& note : info.log->mounts) json["notes"].push_back(note.text);
     json["messages"] = info.log->warnings.messages;
   }
   if (!info.trouble.empty()) json["trouble"] = info.trouble;

@@ -192,6 +192,7 @@ std::vector<std::string> warnings_of(const LogInfo& info) {
   add(w.backward_stamps, "scans go back in time");
   for (const auto& [name, count] : w.unread) lines.push_back(fmt::format("{} {}: not read", count, name));
   for (const std::string& note : open_notes(w.notes, info.lidars)) lines.push_back(note);
+  for (const LogNote& note : info.log->mounts) lines.push_back(note.text);
   lines.insert(lines.end(), w.messages.begin(), w.messages.end());
   return lines;
 }

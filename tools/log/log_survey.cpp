@@ -5,6 +5,7 @@
 #include <deque>
 #include <utility>
 
+#include "common/calibrate/mount_check.h"
 #include "common/io/mount_watch.h"
 
 namespace parloc::tools {
@@ -105,14 +106,16 @@ void count_ranges(const Scan& scan, ScanSurvey& s) {
 
 }  // namespace
 
-LogSurvey survey_log(LogReader& log, const std::function<void(double)>& progress,
-                     const std::function<bool()>& stop) {
+LogSurvey survey_log(LogReader& log, const std::vector<LidarConfig>& lidars,
+                     const std::function<void(double)>& progress, const std::function<bool()>& stop) {
   LogSurvey survey;
   MountWatch mounts;
+  MountCheck check(lidars);
   {
     OdometryReader odometry(survey.odometry);
     for (LogRecord record; !(survey.interrupted = stop()) && log.next(record);) {
       odometry.add(record.stamp_s, record.odometry);
+      if (!check.enough()) check.add(record);
       if (record.kind == RecordKind::odometry) {
         ++survey.odometry.alone;
         continue;
@@ -127,6 +130,7 @@ LogSurvey survey_log(LogReader& log, const std::function<void(double)>& progress
     }
   }
   survey.warnings = log.warnings();
+  if (!survey.interrupted) survey.mounts = check.verdict();
   return survey;
 }
 

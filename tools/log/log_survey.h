@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "common/io/log.h"
+#include "common/model/scan_config.h"
 #include "tools/log/stamp_survey.h"
 
 namespace parloc::tools {
@@ -45,12 +46,13 @@ struct LogSurvey {
   std::map<std::string, ScanSurvey> lidars;  ///< By Scan::sensor.
   OdometrySurvey odometry;
   LogWarnings warnings;
+  std::vector<LogNote> mounts;  ///< Where the scans contradict the place that is stated for their LiDAR.
   bool interrupted = false;
 };
 
-/// Reads the log to its end, or until `stop` says so; tells `progress` the share that was read. Throws as
-/// LogReader::next().
-LogSurvey survey_log(LogReader& log, const std::function<void(double)>& progress,
-                     const std::function<bool()>& stop);
+/// `lidars`: what the settings say of them. Reads the log to its end, or until `stop` says so; tells
+/// `progress` the share that was read. Throws as LogReader::next().
+LogSurvey survey_log(LogReader& log, const std::vector<LidarConfig>& lidars,
+                     const std::function<void(double)>& progress, const std::function<bool()>& stop);
 
 }  // namespace parloc::tools
