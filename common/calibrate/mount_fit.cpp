@@ -104,10 +104,22 @@ double student_weight(double squared) {
   return (kFreedom + 3.0) / (kFreedom + squared);
 }
 
-/// The equations about `at`; and, for the standard deviations, how the motions' own parts of them scatter.
+/// How fast the weighed error grows with the error, as a share of its weight, on average over directions:
+/// less than 1, for the weight falls meanwhile.
+double student_slope(double squared) {
+  return 1.0 - (2.0 / 3.0) * squared / (kFreedom + squared);
+}
+
+/// For the standard deviations: how fast the equations' right sides change, and how the motions' own parts of
+/// them scatter.
+struct Sandwich {
+  Equations slope, scatter;
+};
+
+/// The equations about `at`.
 Equations equations_at(const Problem& problem, const std::vector<Residual>& residuals,
                        const Derivatives& derivatives, const Unknowns& at, Solution& solution,
-                       Equations* scatter) {
+                       Sandwich& sandwich) {
   Equations equations;
   solution.minus_log_likelihood = 0.0;
   solution.unlike = 0;
@@ -124,29 +136,36 @@ Equations equations_at(const Problem& problem, const std::vector<Residual>& resi
       const std::array<double, 3> weighed = times(weight, derivatives[i][k]);
       gradient[i] = robust * dot(weighed, residuals[k].error);
       equations.right[i] -= gradient[i];
-      for (std::size_t j = 0; j <= i; ++j)
-        if (problem.free[j]) equations.matrix[i][j] += robust * dot(weighed, derivatives[j][k]);
+      for (std::size_t j = 0; j <= i; ++j) {
+        if (!problem.free[j]) continue;
+        const double part = robust * dot(weighed, derivatives[j][k]);
+        equations.matrix[i][j] += part;
+        sandwich.slope.matrix[i][j] += student_slope(squared) * part;
+      }
     }
-    if (scatter != nullptr) scatter->add(gradient, 0.0, 1.0);
+    sandwich.scatter.add(gradient, 0.0, 1.0);
   }
   for (std::size_t i = 0; i < kUnknowns; ++i) {
     const double information = problem.free[i] ? 1.0 / (kPrior[i] * kPrior[i]) : 1.0;
     equations.matrix[i][i] += information;
+    sandwich.slope.matrix[i][i] += information;
     if (problem.free[i] && i != kYaw) equations.right[i] -= information * (at[i] - problem.stated[i]);
   }
   return equations;
 }
 
-Unknowns sigmas_of(const Equations& factored, const Equations& scatter, std::size_t motions) {
-  Unknowns sigma{};
+/// Factors the slope.
+Unknowns sigmas_of(Sandwich& parts, std::size_t motions) {
+  Unknowns sigma = kPrior;
+  if (!parts.slope.factor()) return sigma;
   const double few = static_cast<double>(motions) /
                      std::max(1.0, static_cast<double>(motions) - static_cast<double>(kUnknowns) / 3.0);
   for (std::size_t i = 0; i < kUnknowns; ++i) {
-    const std::array<double, kUnknowns> column = factored.inverse_column(i);
+    const std::array<double, kUnknowns> column = parts.slope.inverse_column(i);
     double sandwich = 0.0;
     for (std::size_t a = 0; a < kUnknowns; ++a)
       for (std::size_t b = 0; b < kUnknowns; ++b)
-        sandwich += column[a] * column[b] * scatter.matrix[std::max(a, b)][std::min(a, b)];
+        sandwich += column[a] * column[b] * parts.scatter.matrix[std::max(a, b)][std::min(a, b)];
     sigma[i] = std::sqrt(std::max(few * sandwich, column[i]));
   }
   return sigma;
@@ -167,11 +186,11 @@ Solution solve(const Problem& problem, const Unknowns& start) {
         residuals_at(problem.pairs, problem.path, solution.at, problem.free[kSide]);
     const Derivatives derivatives = derivatives_at(problem.pairs, problem.path, solution.at, problem.free);
     solution.widths = widths_of(residuals);
-    Equations scatter;
-    Equations equations = equations_at(problem, residuals, derivatives, solution.at, solution, &scatter);
+    Sandwich sandwich;
+    Equations equations = equations_at(problem, residuals, derivatives, solution.at, solution, sandwich);
     const std::array<double, kUnknowns> right = equations.right;
     if (!equations.factor()) return solution;
-    solution.sigma = sigmas_of(equations, scatter, residuals.size());
+    solution.sigma = sigmas_of(sandwich, residuals.size());
     const std::array<double, kUnknowns> step = equations.solve(right);
     double largest = 0.0;
     for (std::size_t i = 0; i < kUnknowns; ++i) {
