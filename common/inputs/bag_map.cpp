@@ -58,8 +58,9 @@ GridMap map_from_message(const OccupancyGridMessage& message, const std::string&
 
 GridMap read_bag_map(const std::string& path, const LogChoice& choice) {
   const auto bag = open_bag(path);
-  const std::size_t topic =
-      choose_topic(*bag, path, {choice.map_topic, "--map-topic", "a map", {"nav_msgs/OccupancyGrid"}});
+  const std::size_t topic = choose_topic(
+      *bag, path,
+      {choice.map_topic, "--map-topic", "a map", {"nav_msgs/OccupancyGrid"}, "--map M.yaml gives one"});
   std::vector<bool> wanted(bag->topics().size(), false);
   wanted[topic] = true;
   bag->select(wanted);

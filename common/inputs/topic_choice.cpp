@@ -142,9 +142,10 @@ std::size_t choose_topic(const BagReader& bag, const std::string& bag_name, cons
   const std::vector<std::size_t> found = with_messages(bag, of_types(topics, wish.types));
   if (found.size() == 1) return found.front();
   if (found.empty())
-    throw input_error(bag_name, 0,
-                      fmt::format("expected {}: a topic of {}, found {}", wish.what,
-                                  fmt::join(wish.types, " or "), all_text(topics)));
+    throw input_error(
+        bag_name, 0,
+        fmt::format("expected {}: a topic of {}, found {}{}{}", wish.what, fmt::join(wish.types, " or "),
+                    all_text(topics), wish.otherwise.empty() ? "" : "; ", wish.otherwise));
   throw input_error(bag_name, 0,
                     fmt::format("{} topics hold {}: {}; choose with {}", found.size(), wish.what,
                                 list_text(topics, found), wish.option));

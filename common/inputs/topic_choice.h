@@ -20,6 +20,7 @@ struct TopicWish {
   std::string option;              ///< "--map-topic": how the user says it.
   std::string what;                ///< "a map", for people.
   std::vector<std::string> types;  ///< The first is named in messages.
+  std::string otherwise{};         ///< What to do where there is none; may be empty.
 };
 /// Its index. Throws Error{input} naming the bag, with the choice there is: for none, for several with
 /// messages, for a name that is not there (the nearest is named) or has another type.
