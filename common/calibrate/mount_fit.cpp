@@ -24,7 +24,9 @@ constexpr Unknowns kPrior{2.0, 2.0, 3.0, 0.5, 0.5, 0.3, 0.5, 0.5};
 constexpr std::array<double, 3> kLeastWidth{0.0005, 0.0005, 0.0003};
 /// Fewer motions of a kind than this share their widths with the other kind.
 constexpr std::size_t kFewestOfKind = 8;
-constexpr std::size_t kFewestMotions = 4;
+/// Of fewer motions nothing is told: what is found fits them too well for its standard deviations to be
+/// right.
+constexpr std::size_t kFewestMotions = 12;
 /// A motion is of one kind if it has no more than this share of the other.
 constexpr double kMixed = 0.25;
 
@@ -158,15 +160,17 @@ Equations equations_at(const Problem& problem, const std::vector<Residual>& resi
 Unknowns sigmas_of(Sandwich& parts, std::size_t motions) {
   Unknowns sigma = kPrior;
   if (!parts.slope.factor()) return sigma;
-  const double few = static_cast<double>(motions) /
-                     std::max(1.0, static_cast<double>(motions) - static_cast<double>(kUnknowns) / 3.0);
+  // The unknowns and the widths, found from the same errors, make these too small: by about four motions'
+  // worth.
+  const double ratio = static_cast<double>(motions) / std::max(1.0, static_cast<double>(motions) - 4.0);
+  const double few = ratio * ratio;
   for (std::size_t i = 0; i < kUnknowns; ++i) {
     const std::array<double, kUnknowns> column = parts.slope.inverse_column(i);
     double sandwich = 0.0;
     for (std::size_t a = 0; a < kUnknowns; ++a)
       for (std::size_t b = 0; b < kUnknowns; ++b)
         sandwich += column[a] * column[b] * parts.scatter.matrix[std::max(a, b)][std::min(a, b)];
-    sigma[i] = std::sqrt(std::max(few * sandwich, column[i]));
+    sigma[i] = std::sqrt(few * std::max(sandwich, column[i]));
   }
   return sigma;
 }
