@@ -206,25 +206,27 @@ Solution solve(const Problem& problem, const Unknowns& start) {
   }
 }
 
-/// What the drive leaves open is put back to what was stated, and the rest found again.
+/// What the drive leaves open is put back to what was stated, and the rest found again; until nothing more is
+/// open. Standard deviations are the largest on the way: what was put back is not taken to be known.
 Solution solve_what_is_determined(Problem& problem, const Unknowns& start,
                                   std::array<bool, kUnknowns>& determined) {
   Solution solution = solve(problem, start);
-  const Unknowns open_sigma = solution.sigma;
-  Unknowns at = solution.at;
-  bool all = true;
-  for (std::size_t i = 0; i < kUnknowns; ++i) {
-    const double unit = i == kDrive || i == kTurn || i == kSide ? portable_exp64(at[i]) : 1.0;
-    determined[i] = problem.free[i] && unit * solution.sigma[i] < loosest_sigma(static_cast<Unknown>(i));
-    if (determined[i]) continue;
-    all = all && !problem.free[i];
-    problem.free[i] = false;
-    at[i] = problem.stated[i];
+  for (;;) {
+    Unknowns at = solution.at;
+    bool all = true;
+    for (std::size_t i = 0; i < kUnknowns; ++i) {
+      const double unit = i == kDrive || i == kTurn || i == kSide ? portable_exp64(at[i]) : 1.0;
+      determined[i] = problem.free[i] && unit * solution.sigma[i] < loosest_sigma(static_cast<Unknown>(i));
+      if (determined[i]) continue;
+      all = all && !problem.free[i];
+      problem.free[i] = false;
+      at[i] = problem.stated[i];
+    }
+    if (all) return solution;
+    const Unknowns before = solution.sigma;
+    solution = solve(problem, at);
+    for (std::size_t i = 0; i < kUnknowns; ++i) solution.sigma[i] = std::max(solution.sigma[i], before[i]);
   }
-  if (all) return solution;
-  solution = solve(problem, at);
-  for (std::size_t i = 0; i < kUnknowns; ++i) solution.sigma[i] = std::max(solution.sigma[i], open_sigma[i]);
-  return solution;
 }
 
 Solution solve_side(const LidarMotions& lidar, OdometryPath& path, const Mount& stated, bool omni,
