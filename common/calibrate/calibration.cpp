@@ -7,7 +7,7 @@ namespace parloc {
 namespace {
 
 /// A robot with differential wheels goes along its heading; more than this share to the side is another's.
-constexpr double kSideways = 0.1;
+constexpr double kSideways = 0.2;
 constexpr int kPasses = 2;
 
 /// LiDARs see the same odometry, so that their answers err together: their mean is taken to be no surer than
@@ -28,10 +28,11 @@ Estimate1 mean_of(const std::vector<LidarCalibration>& lidars, std::size_t unkno
 
 }  // namespace
 
-LogCalibration calibrate(ScanMotions& motions, const std::function<bool(double fraction)>& keep_going) {
+LogCalibration calibrate(ScanMotions& motions, bool omni,
+                         const std::function<bool(double fraction)>& keep_going) {
   LogCalibration found;
   OdometryPath path(motions.odometry());
-  found.omni = path.sideways_m() > kSideways * (path.ahead_m() + path.sideways_m());
+  found.omni = omni || path.sideways_m() > kSideways * (path.ahead_m() + path.sideways_m());
   found.driven_m = path.ahead_m() + path.sideways_m(), found.turned_rad = path.turned_rad();
   const double parts = static_cast<double>(motions.lidars().size() * kPasses);
   double done = 0.0;

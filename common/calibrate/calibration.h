@@ -28,6 +28,8 @@ struct LogCalibration {
 
 /// What all that was added says. Scans are matched twice more, from what the first look gave. `keep_going`
 /// is told the fraction; false ends the work with what there is.
-LogCalibration calibrate(ScanMotions& motions, const std::function<bool(double fraction)>& keep_going = {});
+/// `omni`: the robot is known to drive sideways; else the odometry tells.
+LogCalibration calibrate(ScanMotions& motions, bool omni,
+                         const std::function<bool(double fraction)>& keep_going = {});
 
 }  // namespace parloc

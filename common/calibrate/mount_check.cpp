@@ -65,7 +65,7 @@ void MountCheck::add(const LogRecord& record) {
 
 std::vector<LogNote> MountCheck::verdict() {
   std::vector<LogNote> notes;
-  for (const LidarCalibration& lidar : calibrate(*motions_).lidars)
+  for (const LidarCalibration& lidar : calibrate(*motions_, false).lidars)
     if (std::string text = text_of(lidar); !text.empty())
       notes.push_back({LogNote::About::mount, lidar.name, std::move(text)});
   return notes;

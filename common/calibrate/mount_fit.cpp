@@ -24,7 +24,9 @@ constexpr Unknowns kPrior{2.0, 2.0, 3.0, 0.5, 0.5, 0.3, 0.5, 0.5};
 constexpr std::array<double, 3> kLeastWidth{0.0005, 0.0005, 0.0003};
 /// Fewer motions of a kind than this share their widths with the other kind.
 constexpr std::size_t kFewestOfKind = 8;
-constexpr std::size_t kFewestMotions = 4;
+/// Of fewer motions nothing is told: what is found fits them too well for its standard deviations to be
+/// right.
+constexpr std::size_t kFewestMotions = 12;
 /// A motion is of one kind if it has no more than this share of the other.
 constexpr double kMixed = 0.25;
 
@@ -158,15 +160,17 @@ Equations equations_at(const Problem& problem, const std::vector<Residual>& resi
 Unknowns sigmas_of(Sandwich& parts, std::size_t motions) {
   Unknowns sigma = kPrior;
   if (!parts.slope.factor()) return sigma;
-  const double few = static_cast<double>(motions) /
-                     std::max(1.0, static_cast<double>(motions) - static_cast<double>(kUnknowns) / 3.0);
+  // The unknowns and the widths, found from the same errors, make these too small: by about four motions'
+  // worth.
+  const double ratio = static_cast<double>(motions) / std::max(1.0, static_cast<double>(motions) - 4.0);
+  const double few = ratio * ratio;
   for (std::size_t i = 0; i < kUnknowns; ++i) {
     const std::array<double, kUnknowns> column = parts.slope.inverse_column(i);
     double sandwich = 0.0;
     for (std::size_t a = 0; a < kUnknowns; ++a)
       for (std::size_t b = 0; b < kUnknowns; ++b)
         sandwich += column[a] * column[b] * parts.scatter.matrix[std::max(a, b)][std::min(a, b)];
-    sigma[i] = std::sqrt(std::max(few * sandwich, column[i]));
+    sigma[i] = std::sqrt(few * std::max(sandwich, column[i]));
   }
   return sigma;
 }
@@ -202,25 +206,27 @@ Solution solve(const Problem& problem, const Unknowns& start) {
   }
 }
 
-/// What the drive leaves open is put back to what was stated, and the rest found again.
+/// What the drive leaves open is put back to what was stated, and the rest found again; until nothing more is
+/// open. Standard deviations are the largest on the way: what was put back is not taken to be known.
 Solution solve_what_is_determined(Problem& problem, const Unknowns& start,
                                   std::array<bool, kUnknowns>& determined) {
   Solution solution = solve(problem, start);
-  const Unknowns open_sigma = solution.sigma;
-  Unknowns at = solution.at;
-  bool all = true;
-  for (std::size_t i = 0; i < kUnknowns; ++i) {
-    const double unit = i == kDrive || i == kTurn || i == kSide ? portable_exp64(at[i]) : 1.0;
-    determined[i] = problem.free[i] && unit * solution.sigma[i] < loosest_sigma(static_cast<Unknown>(i));
-    if (determined[i]) continue;
-    all = all && !problem.free[i];
-    problem.free[i] = false;
-    at[i] = problem.stated[i];
+  for (;;) {
+    Unknowns at = solution.at;
+    bool all = true;
+    for (std::size_t i = 0; i < kUnknowns; ++i) {
+      const double unit = i == kDrive || i == kTurn || i == kSide ? portable_exp64(at[i]) : 1.0;
+      determined[i] = problem.free[i] && unit * solution.sigma[i] < loosest_sigma(static_cast<Unknown>(i));
+      if (determined[i]) continue;
+      all = all && !problem.free[i];
+      problem.free[i] = false;
+      at[i] = problem.stated[i];
+    }
+    if (all) return solution;
+    const Unknowns before = solution.sigma;
+    solution = solve(problem, at);
+    for (std::size_t i = 0; i < kUnknowns; ++i) solution.sigma[i] = std::max(solution.sigma[i], before[i]);
   }
-  if (all) return solution;
-  solution = solve(problem, at);
-  for (std::size_t i = 0; i < kUnknowns; ++i) solution.sigma[i] = std::max(solution.sigma[i], open_sigma[i]);
-  return solution;
 }
 
 Solution solve_side(const LidarMotions& lidar, OdometryPath& path, const Mount& stated, bool omni,

@@ -37,7 +37,8 @@ struct MountFit {
 };
 
 /// A number is determined where its standard deviation, by the information that all motions together hold
-/// on all unknowns at once, is below this: 5 cm, 3 degrees, 3 %, 50 ms, 1 degree per metre.
+/// on all unknowns at once, is below this: 5 cm, 3 degrees, 3 %, 50 ms, 1 degree per metre; and only if there
+/// are 12 motions at least.
 double loosest_sigma(Unknown unknown);
 
 /// Weighted least squares of the hand-eye equation, odometry (+) mount = mount (+) scan, with the odometry's

@@ -8,11 +8,20 @@
 
 namespace parloc {
 
+namespace {
+
+/// Way is measured over steps so long: over shorter ones noise looks like a way to the side.
+constexpr double kLong_m = 0.1;
+/// Nor does a step that turns so far tell to which side it went.
+constexpr double kTurned_rad = 0.15;
+
+}  // namespace
+
 OdometryPath::OdometryPath(const Trajectory& readings) {
   const auto is_last_of_stamp = [&](std::size_t k) {
     return k + 1 == readings.size() || readings[k + 1].stamp_s > readings[k].stamp_s;
   };
-  Pose last;
+  Pose last, long_before;
   for (std::size_t k = 0; k < readings.size(); ++k) {
     if (!is_last_of_stamp(k)) continue;
     const Pose& now = readings[k].pose;
@@ -20,11 +29,18 @@ OdometryPath::OdometryPath(const Trajectory& readings) {
       const ArcMotion arc = arc_motion(relative(now, last));
       steps_.push_back({arc.ahead_m, arc.side_m, arc.turn_rad});
       headings_rad_.push_back(headings_rad_.back() + arc.turn_rad);
-      ahead_m_ += std::fabs(arc.ahead_m), side_m_ += std::fabs(arc.side_m);
       turned_rad_ += std::fabs(arc.turn_rad);
     } else {
       headings_rad_.push_back(now.theta_rad);
+      long_before = now;
     }
+    const bool turned = turn_rad(long_before, now) >= kTurned_rad;
+    if (turned) ahead_m_ += distance_m(long_before, now);
+    if (distance_m(long_before, now) >= kLong_m && !turned) {
+      const ArcMotion arc = arc_motion(relative(now, long_before));
+      ahead_m_ += std::fabs(arc.ahead_m), side_m_ += std::fabs(arc.side_m);
+    }
+    if (turned || distance_m(long_before, now) >= kLong_m) long_before = now;
     times_s_.push_back(readings[k].stamp_s);
     last = now;
   }

@@ -13,12 +13,12 @@ class CalibrateProgram : public ProgramSuite {
  protected:
   static void SetUpTestSuite() { open("parloc_calibrate_test"); }
 
-  /// A drive with turns on the spot through the hall; returns its log.
-  static std::string drive(const std::string& name, const std::string& points, const std::string& lidar,
-                           const std::string& odometry) {
+  /// A drive through a map of maps/fine; returns its log.
+  static std::string drive(const std::string& name, const std::string& map, const std::string& points,
+                           const std::string& lidar, const std::string& odometry) {
     const std::string maps = std::string(PARLOC_SOURCE_DIR) + "/maps/";
     write(name + "_path.yaml", "speed: 0.5\nturn_rate: 0.6\npoints:\n" + points);
-    write(name + ".yaml", "map: " + maps + "fine/hall_obstacles.yaml\npath: " + path(name + "_path.yaml") +
+    write(name + ".yaml", "map: " + maps + "fine/" + map + ".yaml\npath: " + path(name + "_path.yaml") +
                               "\nscan_rate: 5\nseed: 3\nlidar:\n  beams: 360\n  angle_min_deg: -180\n"
                               "  angle_step_deg: 1\n  range_max: 8\n  sigma_range: 0.02\n" +
                               lidar +
@@ -37,8 +37,9 @@ class CalibrateProgram : public ProgramSuite {
 };
 
 TEST_F(CalibrateProgram, FindsWhatWasPutIntoADrive) {
-  const std::string log = drive("beside", kTurning, "  mount: [0.1, -0.3, 90]\n  upside_down: true\n",
-                                "  scale_translation: 0.95\n  scale_rotation: 1.1\n  delay: 0.15\n");
+  const std::string log =
+      drive("beside", "hall_obstacles", kTurning, "  mount: [0.1, -0.3, 90]\n  upside_down: true\n",
+            "  scale_translation: 0.95\n  scale_rotation: 1.1\n  delay: 0.15\n");
   write("wrong.yaml", "lidars:\n  robotlaser1: {x: 0, y: 0, yaw: 0, upside_down: false}\n");
   const Outcome found = done(with(learn(log), {"--config", path("wrong.yaml"), "--json"}));
   const Json j = Json::parse(found.out);
@@ -65,7 +66,7 @@ TEST_F(CalibrateProgram, FindsWhatWasPutIntoADrive) {
 }
 
 TEST_F(CalibrateProgram, SaysWhatADriveLeavesOpen) {
-  const std::string straight = drive("straight", "  - [1.8, 1.7]\n  - [6.4, 1.7]\n", "", "");
+  const std::string straight = drive("straight", "office", "  - [1.45, 8.5]\n  - [9.65, 8.5]\n", "", "");
   const Json j = Json::parse(done(with(learn(straight), {"--json"})).out);
   EXPECT_EQ(j["lidars"][0]["yaw"]["determined"], true);
   EXPECT_EQ(j["lidars"][0]["x"]["determined"], false);

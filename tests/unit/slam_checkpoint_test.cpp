@@ -132,6 +132,18 @@ TEST(SlamCheckpoint, NorDoesOneOfOdometryFromScans) {
     expect_no_trace(whole, scans, std::min<std::size_t>(scans + 9, 60), 2);
 }
 
+TEST(SlamCheckpoint, NorDoesOneOfOdometryOutOfScale) {
+  GridSlamConfig c = config();
+  GridSlam plain(c);
+  c.motion.odometry_scale_drive = 1.05, c.motion.odometry_scale_turn = 0.97;
+  GridSlam whole(c);
+  run(plain, 0, drive().size());
+  run(whole, 0, drive().size());
+  EXPECT_NE(plain.digest(), whole.digest());
+  for (const std::size_t scans : {2, 18, 58})
+    expect_no_trace(whole, scans, std::min<std::size_t>(scans + 9, 60), 2);
+}
+
 TEST(SlamCheckpoint, SavingChangesNothing) {
   const test::TempFile file("checkpoint");
   GridSlam whole(config()), watched(config());

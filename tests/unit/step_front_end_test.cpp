@@ -184,6 +184,19 @@ TEST(StepFrontEnd, OdometryThatComesLateIsMovedToTheScan) {
   EXPECT_NEAR(now.x_m, 0.5 * (1.9 + 0.15), 1e-6);  // 0.5 m/s
 }
 
+TEST(StepFrontEnd, OdometryOutOfScaleIsPutRight) {
+  FilterConfig config;
+  config.motion.odometry_scale_drive = 1.1, config.motion.odometry_scale_turn = 0.5;
+  StepFrontEnd front_end(config);
+  const Pose first = front_end.take_odometry(0.0, {1.0, 2.0, 0.0})->pose;
+  EXPECT_EQ(first.x_m, 1.0);
+  front_end.add_odometry(0.05, {1.1, 2.0, 0.0});  // read ahead
+  EXPECT_NEAR(front_end.take_odometry(0.1, {1.2, 2.0, 0.0})->pose.x_m, 1.22, 1e-12);
+  const Pose turned = front_end.take_odometry(0.2, {1.2, 2.0, 0.4})->pose;
+  EXPECT_NEAR(turned.x_m, 1.22, 1e-12);
+  EXPECT_NEAR(turned.theta_rad, 0.2, 1e-12);
+}
+
 TEST(StepFrontEnd, AScanCountsAfterEnoughOfEither) {
   FilterConfig config;
   StepFrontEnd front_end(config);

@@ -35,7 +35,7 @@ LogCalibration calibrate_records(const CalibrateOptions& o, const Config& config
     if (record.kind == RecordKind::scan) progress.update(kReading * log->progress());
   }
   if (motions.scans() == 0 && !interrupted()) throw no_scan(o.log, log->warnings());
-  return calibrate(motions, [&](double fraction) {
+  return calibrate(motions, config.motion.form == MotionForm::omni, [&](double fraction) {
     progress.update(kReading + (1.0 - kReading) * fraction);
     return !interrupted();
   });

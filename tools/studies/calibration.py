@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 """Measures `parloc learn --what mount,odometry,delay` on simulated drives with known mounts, scales and delays.
 
-    tools/studies/calibration.py --parloc build/cpu/parloc [--drive office] [--view 10Hz] [--seeds 1]
+    tools/studies/calibration.py --parloc build/cpu/parloc [--drive office] [--view 10Hz] [--seeds 1] [--noise 1]
 
 Prints a row per drive (error and stated standard deviation), how many keep the bars, and how often errors are within
 one and two standard deviations. The log's mount is overruled by zeros, so that nothing of it can help.
@@ -41,7 +41,7 @@ SHOWN = {"x": (100, "cm"), "y": (100, "cm"), "yaw": (180 / math.pi, "deg"), "dri
          "delay": (1000, "ms")}
 
 
-def scenario(drive, view, mount, odometry, seed):
+def scenario(drive, view, mount, odometry, seed, noise):
     rate, odometry_rate, beams, first, step, reach, scan_time = VIEWS[view]
     map_file, path = DRIVES[drive]
     x, y, yaw, upside_down = MOUNTS[mount]
@@ -53,7 +53,8 @@ scan_rate: {rate}
 lidar: {{beams: {beams}, angle_min_deg: {first}, angle_step_deg: {step}, range_min: 0.05, range_max: {reach},
   sigma_range: 0.02, dropout_probability: 0.02, mount: [{x}, {y}, {yaw}], upside_down: {str(upside_down).lower()},
   scan_time: {scan_time}}}
-odometry: {{rate: {odometry_rate}, form: seed, alpha1: 0.1, alpha2: 0.05, alpha3: 0.1, alpha4: 0.02,
+odometry: {{rate: {odometry_rate}, form: seed, alpha1: {0.1 * noise}, alpha2: {0.05 * noise},
+  alpha3: {0.1 * noise}, alpha4: {0.02 * noise},
   scale_translation: {drive_scale}, scale_rotation: {turn_scale}, delay: {delay}}}
 """
 
@@ -91,6 +92,7 @@ def main():
     parser.add_argument("--drive", default="office", choices=[*DRIVES, "all"])
     parser.add_argument("--view", default="all", choices=[*VIEWS, "all"])
     parser.add_argument("--seeds", type=int, default=1)
+    parser.add_argument("--noise", type=float, default=1.0, help="of the odometry")
     options = parser.parse_args()
     errors, kept, rows = {name: [] for name in BARS}, 0, 0
     print("| drive | view | mount | " + " | ".join(f"{n} [{SHOWN[n][1]}]" for n in BARS) + " | bars |")
@@ -102,7 +104,7 @@ def main():
                     if options.view not in ("all", view):
                         continue
                     odometry = ODOMETRY[(number + place) % len(ODOMETRY)]
-                    text = scenario(drive, view, mount, odometry, 1000 * seed + 10 * number + place + 1)
+                    text = scenario(drive, view, mount, odometry, 1000 * seed + 10 * number + place + 1, options.noise)
                     with tempfile.TemporaryDirectory() as folder:
                         found = learn(options.parloc, Path(folder), text, VIEWS[view][6])
                     result = compare(found, mount, odometry)
