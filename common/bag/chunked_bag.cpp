@@ -69,9 +69,27 @@ void ChunkedBag::count_fault(std::uint64_t offset, const std::string& what) {
     faults_.messages.push_back(fmt::format("{}: at byte {}: {}", file_->path(), offset, what));
 }
 
-void ChunkedBag::check_size(std::size_t topic, std::uint64_t size) const {
-  const std::size_t most = longest_message(topics_[topic]);
+bool ChunkedBag::take_message(ByteStream& in, std::size_t topic, std::int64_t stamp_ns, std::uint64_t size,
+                              ChunkMessages& messages) {
+  if (looked_at_ != nullptr) {
+    looked_at_->first_ns = std::min(looked_at_->first_ns, stamp_ns);
+    looked_at_->last_ns = std::max(looked_at_->last_ns, stamp_ns);
+    if (topic != kNoTopic) ++counts_[topic];
+  }
+  if (!wanted(topic)) {
+    in.skip(size);
+    return false;
+  }
+  const std::size_t most = longest_message(topics_[topic]), offset = messages.bytes.size();
   if (size > most) throw Damage{fmt::format("a message of {} bytes: expected at most {}", size, most)};
+  try {
+    in.append_to(messages.bytes, size);
+  } catch (const Damage&) {
+    messages.bytes.resize(offset);
+    throw;
+  }
+  messages.entries.push_back({stamp_ns, topic, offset, static_cast<std::size_t>(size)});
+  return true;
 }
 
 void ChunkedBag::look_through() {
@@ -94,13 +112,6 @@ void ChunkedBag::look_through() {
 void ChunkedBag::add_count(std::size_t topic, std::uint64_t messages) {
   counted_ = true;
   counts_[topic] += messages;
-}
-
-void ChunkedBag::note_message(std::int64_t stamp_ns, std::optional<std::size_t> topic) {
-  if (looked_at_ == nullptr) return;
-  if (topic) ++counts_[*topic];
-  looked_at_->first_ns = std::min(looked_at_->first_ns, stamp_ns);
-  looked_at_->last_ns = std::max(looked_at_->last_ns, stamp_ns);
 }
 
 // The next piece of the cursor's chunk, in the order of its stamps; false if there is none.

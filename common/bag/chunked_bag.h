@@ -58,6 +58,9 @@ class ChunkedBag : public BagReader {
   /// Chunks that are not compressed are cut to about this size [bytes].
   static constexpr std::uint64_t kRunBytes = std::uint64_t{1} << 20;
 
+  /// Of a message whose topic nobody described.
+  static constexpr std::size_t kNoTopic = static_cast<std::size_t>(-1);
+
   explicit ChunkedBag(std::unique_ptr<BagFile> file);
   ~ChunkedBag() override;
 
@@ -65,13 +68,15 @@ class ChunkedBag : public BagReader {
 
   /// The index of the topic, which is new or known already.
   std::size_t add_topic(BagTopic topic);
-  /// Throws Damage if a message of the topic may not be so long.
-  void check_size(std::size_t topic, std::uint64_t size) const;
+  /// The next `size` bytes of the stream are a message of that topic: appends it if it is selected, else
+  /// passes over it and gives false. Throws Damage if they are too many or too few; what was there before
+  /// stays.
+  bool take_message(ByteStream& in, std::size_t topic, std::int64_t stamp_ns, std::uint64_t size,
+                    ChunkMessages& messages);
   bool wanted(std::size_t topic) const { return topic < wanted_.size() && wanted_[topic]; }
   /// Unpacks all chunks once with nothing selected, so that open_chunk()'s records can tell what is in them:
-  /// topics, and times through note_message(). For files without an index.
+  /// topics, and times through take_message(). For files without an index.
   void look_through();
-  void note_message(std::int64_t stamp_ns, std::optional<std::size_t> topic);
   /// The index of the file says how many messages of topics there are.
   void add_count(std::size_t topic, std::uint64_t messages);
   /// One fault, told once for each place in the file.

@@ -10,6 +10,7 @@
 #include <utility>
 
 #include "common/bag/chunked_bag.h"
+#include "common/bag/mcap_format.h"
 #include "common/bag/type_name.h"
 #include "common/error.h"
 
@@ -17,20 +18,11 @@ namespace parloc {
 
 namespace {
 
-constexpr std::uint64_t kMagicBytes = 8;
-constexpr std::string_view kMagic("\x89MCAP0\r\n", kMagicBytes);
+using namespace mcap;
+
+constexpr std::uint64_t kMagicBytes = kMagic.size();
 constexpr std::uint64_t kHeadBytes = 9;  // opcode and length
 constexpr std::uint64_t kLongestDescription = std::uint64_t{16} << 20;
-
-enum Opcode : std::uint8_t {
-  kFooter = 0x02,
-  kSchema = 0x03,
-  kChannel = 0x04,
-  kMessage = 0x05,
-  kChunk = 0x06,
-  kStatistics = 0x0B,
-  kDataEnd = 0x0F,
-};
 
 /// The bytes of one record, taken out field by field.
 class Record {
@@ -139,24 +131,9 @@ struct McapBag::Records final : ChunkRecords {
     stream->number<std::uint32_t>();
     const std::int64_t stamp_ns = stamp_of(stream->number<std::uint64_t>());
     stream->number<std::uint64_t>();
-    const std::uint64_t size = length - header_bytes;
     const auto topic = bag.channel_topic_.find(channel);
-    const bool known = topic != bag.channel_topic_.end();
-    bag.note_message(stamp_ns, known ? std::optional(topic->second) : std::nullopt);
-    if (!known || !bag.wanted(topic->second)) {
-      stream->skip(size);
-      return false;
-    }
-    bag.check_size(topic->second, size);
-    const std::size_t offset = messages.bytes.size();
-    try {
-      stream->append_to(messages.bytes, size);
-    } catch (const Damage&) {
-      messages.bytes.resize(offset);
-      throw;
-    }
-    messages.entries.push_back({stamp_ns, topic->second, offset, static_cast<std::size_t>(size)});
-    return true;
+    return bag.take_message(*stream, topic == bag.channel_topic_.end() ? kNoTopic : topic->second, stamp_ns,
+                            length - header_bytes, messages);
   }
 
   McapBag& bag;

@@ -4,6 +4,7 @@
 #include <string_view>
 #include <system_error>
 
+#include "common/bag/mcap_format.h"
 #include "common/bag/open_bag.h"
 #include "common/error.h"
 
@@ -16,7 +17,7 @@ bool is_bag(const std::string& path) {
   char begin[8] = {};
   std::ifstream(path, std::ios::binary).read(begin, sizeof begin);
   const std::string_view bytes(begin, sizeof begin);
-  return bytes == std::string_view("\x89MCAP0\r\n", 8) || bytes == "SQLite f" || bytes == "#ROSBAG " ||
+  return bytes == mcap::kMagic || bytes == "SQLite f" || bytes == "#ROSBAG " ||
          bytes.starts_with("\x28\xb5\x2f\xfd");
 }
 

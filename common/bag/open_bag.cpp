@@ -14,6 +14,7 @@
 #include "common/bag/bytes/decompress.h"
 #include "common/bag/bytes/temporary_file.h"
 #include "common/bag/mcap_bag.h"
+#include "common/bag/mcap_format.h"
 #include "common/bag/ros1_bag.h"
 #include "common/bag/sqlite_bag.h"
 #include "common/error.h"
@@ -24,7 +25,6 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr std::string_view kMcap("\x89MCAP0\r\n", 8);
 constexpr std::string_view kSqlite("SQLite format 3\0", 16);
 constexpr std::string_view kRos1("#ROSBAG V");
 constexpr std::string_view kRosRecord("#ROSRECORD V");  // before 2008
@@ -36,13 +36,13 @@ std::string first_bytes(ByteStream& in) {
 }
 
 bool is_container(std::string_view bytes) {
-  return bytes.starts_with(kMcap) || bytes.starts_with(kSqlite) || bytes.starts_with(kRos1) ||
+  return bytes.starts_with(mcap::kMagic) || bytes.starts_with(kSqlite) || bytes.starts_with(kRos1) ||
          bytes.starts_with(kRosRecord);
 }
 
 std::unique_ptr<BagReader> open_container(std::unique_ptr<BagFile> file, const std::string& path,
                                           std::string_view bytes) {
-  if (bytes.starts_with(kMcap)) return open_mcap_bag(std::move(file));
+  if (bytes.starts_with(mcap::kMagic)) return open_mcap_bag(std::move(file));
   if (bytes.starts_with(kSqlite)) return open_sqlite_bag(path, file->path());
   if (bytes.starts_with(kRos1) || bytes.starts_with(kRosRecord)) return open_ros1_bag(std::move(file));
   throw input_error(file->path(), 0, "expected a bag (ROS 1 2.0, SQLite or MCAP)");

@@ -142,22 +142,8 @@ struct Ros1Bag::Records final : ChunkRecords {
   bool take_message(const Header& header, std::uint32_t size, ChunkMessages& messages) {
     const std::int64_t stamp_ns = header.stamp_ns("time");
     const auto topic = bag.connection_topic_.find(header.number<std::uint32_t>("conn"));
-    const bool known = topic != bag.connection_topic_.end();
-    bag.note_message(stamp_ns, known ? std::optional(topic->second) : std::nullopt);
-    if (!known || !bag.wanted(topic->second)) {
-      stream->skip(size);
-      return false;
-    }
-    bag.check_size(topic->second, size);
-    const std::size_t offset = messages.bytes.size();
-    try {
-      stream->append_to(messages.bytes, size);
-    } catch (const Damage&) {
-      messages.bytes.resize(offset);
-      throw;
-    }
-    messages.entries.push_back({stamp_ns, topic->second, offset, size});
-    return true;
+    return bag.take_message(*stream, topic == bag.connection_topic_.end() ? kNoTopic : topic->second,
+                            stamp_ns, size, messages);
   }
 
   Ros1Bag& bag;

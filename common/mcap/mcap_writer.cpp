@@ -10,32 +10,18 @@
 #include <utility>
 #include <vector>
 
+#include "common/bag/mcap_format.h"
 #include "common/error.h"
 
 namespace parloc {
 
 namespace {
 
-constexpr std::string_view kMagic("\x89MCAP0\r\n", 8);
+using namespace mcap;
+
 constexpr std::size_t kChunkBytes = std::size_t{1} << 20;
 constexpr int kCompressionLevel = 1;  // ranges hardly get smaller by more, only later
 constexpr const char* kCompression = "zstd";
-
-enum Opcode : std::uint8_t {
-  kHeader = 0x01,
-  kFooter = 0x02,
-  kSchema = 0x03,
-  kChannel = 0x04,
-  kMessage = 0x05,
-  kChunk = 0x06,
-  kMessageIndex = 0x07,
-  kChunkIndex = 0x08,
-  kStatistics = 0x0B,
-  kMetadata = 0x0C,
-  kMetadataIndex = 0x0D,
-  kSummaryOffset = 0x0E,
-  kDataEnd = 0x0F,
-};
 
 template <class Number>
 void put(std::string& to, Number value) {
