@@ -21,7 +21,11 @@ std::optional<OdometryReading> StepFrontEnd::prepare_odometry(double stamp_s, co
   const double delay_s = config_.motion.odometry_delay_s;
   const Pose scaled = scaler_.take(odometry);
   track_.add(stamp_s - delay_s, scaled);
-  const Pose then = delay_s != 0.0 ? compose(scaled, track_.motion(stamp_s - delay_s, stamp_s)) : scaled;
+  // Over as long as the odometry is late: stamps of some logs come in bursts, between which there is no
+  // speed.
+  const double twist_s = std::max(OdometryTrack::kShortestTwist_s, std::abs(delay_s));
+  const Pose then =
+      delay_s != 0.0 ? compose(scaled, track_.motion(stamp_s - delay_s, stamp_s, twist_s)) : scaled;
   prepared_ = continuous_.take(stamp_s, then);
   if (prepared_) {
     elapsed_s_ += prepared_->elapsed_s;

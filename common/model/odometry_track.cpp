@@ -48,19 +48,19 @@ bool OdometryTrack::knows_motion() const {
   return readings_.size() > 1 && readings_.back().stamp_s - readings_.front().stamp_s >= kShortestTwist_s;
 }
 
-Pose OdometryTrack::motion(double from_s, double to_s) const {
+Pose OdometryTrack::motion(double from_s, double to_s, double twist_s) const {
   if (!knows_motion()) return {};
-  return relative(at(to_s), at(from_s));
+  return relative(at(to_s, twist_s), at(from_s, twist_s));
 }
 
-Pose OdometryTrack::at(double stamp_s) const {
+Pose OdometryTrack::at(double stamp_s, double twist_s) const {
   const StampedPose &first = readings_.front(), &last = readings_.back();
   if (stamp_s < first.stamp_s) {
-    const double far_s = first.stamp_s + kShortestTwist_s;
+    const double far_s = first.stamp_s + twist_s;
     return on_arc(first, *std::lower_bound(readings_.begin(), readings_.end() - 1, far_s, earlier), stamp_s);
   }
   if (stamp_s >= last.stamp_s) {
-    const double far_s = last.stamp_s - kShortestTwist_s;
+    const double far_s = last.stamp_s - twist_s;
     auto from = std::lower_bound(readings_.begin(), readings_.end(), far_s, earlier);
     if (from->stamp_s > far_s && from != readings_.begin()) --from;
     return on_arc(*from, last, stamp_s);

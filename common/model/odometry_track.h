@@ -35,11 +35,12 @@ class OdometryTrack {
 
   /// Whether there are two readings far enough apart. Without, the robot is taken to stand still.
   bool knows_motion() const;
-  /// Where the base is at one time, seen from where it is at another.
-  Pose motion(double from_s, double to_s) const;
+  /// Where the base is at one time, seen from where it is at another. A twist that goes on beyond the
+  /// readings is taken over at least `twist_s`.
+  Pose motion(double from_s, double to_s, double twist_s = kShortestTwist_s) const;
 
  private:
-  Pose at(double stamp_s) const;
+  Pose at(double stamp_s, double twist_s) const;
 
   double longest_step_m_, max_speed_mps_;
   std::vector<StampedPose> readings_;  ///< By ascending stamp, no two equal.

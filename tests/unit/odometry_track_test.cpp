@@ -79,6 +79,18 @@ TEST(OdometryTrack, TakesATwistOverMoreThanAJitter) {
   EXPECT_NEAR(track.motion(0.1001, 0.2001).x_m, 0.11 / 0.1001 * 0.1, 1e-12);
 }
 
+// 0.5 m/s, read every 0.2 s; but of every two readings the first is stamped as late as the second.
+TEST(OdometryTrack, TakesATwistOverAsLongAsItIsToldTo) {
+  OdometryTrack track(MotionConfig{});
+  double last_s = 0.0;
+  for (int k = 0; k < 8; ++k) {
+    last_s = 0.4 * (k / 2) + (k % 2 == 0 ? 0.199 : 0.2);
+    track.add(last_s, {0.1 * k, 0.0, 0.0});
+  }
+  EXPECT_NEAR(track.motion(last_s, last_s + 0.3, 0.3).x_m, 0.15, 0.08);
+  EXPECT_NEAR(track.motion(last_s, last_s + 0.3, 0.8).x_m, 0.15, 0.001);
+}
+
 TEST(OdometryTrack, KnowsNoMotionWithoutTwoReadings) {
   OdometryTrack track(MotionConfig{});
   EXPECT_FALSE(track.knows_motion());
