@@ -60,7 +60,7 @@ struct Vote {
 
 struct Decide {  // one block: shares from votes; leaves the votes zero
   struct Shared {
-    std::uint64_t skipped;
+    std::uint32_t skipped;
   };
   static constexpr int kPhases = 3;
   WeightArgs args;
@@ -73,7 +73,7 @@ struct Decide {  // one block: shares from votes; leaves the votes zero
     for (std::size_t m = me.thread; m < a.rays.beams.count; m += kThreads) {
       const float share = phase == 1 ? share_of_votes(a, m) : 1.0f;
       a.votes.share[m] = share;
-      if (share == 0.0f) atomic_add(&shared.skipped, 1);
+      if (share == 0.0f) atomic_add(&shared.skipped, 1u);
       a.votes.map[m] = a.votes.unmapped[m] = 0;
     }
   }

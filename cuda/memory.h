@@ -102,9 +102,12 @@ using HostBuffer = Buffer<T, host_alloc, host_free>;
 template <class T>
 class DeviceBuffer : public Buffer<T, device_alloc, device_free> {
  public:
+  /// Waits: the host's memory may go, or be written, at once.
   void from_host(const std::vector<T>& host, Stream s) {
     this->reserve(host.size());
-    if (!host.empty()) copy_down(this->data(), host.data(), host.size() * sizeof(T), s);
+    if (host.empty()) return;
+    copy_down(this->data(), host.data(), host.size() * sizeof(T), s);
+    synchronise(s);
   }
   std::vector<T> to_host(std::size_t count, Stream s, std::size_t first = 0) const {
     std::vector<T> host(count);
@@ -112,11 +115,8 @@ class DeviceBuffer : public Buffer<T, device_alloc, device_free> {
     synchronise(s);
     return host;
   }
-  /// As from_host, and waits: the host needs it no more.
-  void take(std::vector<T>&& host, Stream s) {
-    from_host(host, s);
-    synchronise(s);
-  }
+  /// As from_host, where the host needs it no more.
+  void take(std::vector<T>&& host, Stream s) { from_host(host, s); }
   /// As reserve, but what it held is kept.
   void grow(std::size_t size, Stream s) {
     if (size <= this->size()) return;

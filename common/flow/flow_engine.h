@@ -115,7 +115,7 @@ class FlowEngine final : public FlowBackend {
     StepState* const weighed = weights_state_.there();
     update_gaussian();
     Space::flow_particles(args_, room_, queue_);
-    cloud_.normalise(input_.input(), weighed, {}, queue_);
+    cloud_.normalise(input_.input(), weighed, {}, false, queue_);
     Space::cloud_moments({.cloud = {cloud_.now(), cloud_.weights().weight},
                           .weighed = weighed,
                           .covariance = true,

@@ -114,8 +114,8 @@ class FilterEngine final : public FilterBackend {
 
   void weight(bool fused) override {
     const bool stored = !fused && casts();
+    if (stored) reserve_expected();  // before it is planned: there may be no memory for it
     plan(stored ? kWeightUnfused : kWeight);
-    if (stored) reserve_expected();
   }
   void normalise_scan() override { plan(kNormalise); }
   void estimate() override { plan(kEstimate); }
@@ -206,7 +206,9 @@ class FilterEngine final : public FilterBackend {
     if (asked(kPredict)) Space::predict({cloud_.now(), input_.input()}, queue_);
     if (asked(kWeightUnfused)) trace();
     if (asked(kWeight | kWeightUnfused)) weigh(asked(kWeightUnfused));
-    if (asked(kNormalise)) cloud_.normalise(input_.input(), state, bind_recovery(config_.recovery), queue_);
+    const bool weighed = asked(kWeight | kWeightUnfused);
+    if (asked(kNormalise))
+      cloud_.normalise(input_.input(), state, bind_recovery(config_.recovery), weighed, queue_);
     if (asked(kEstimate)) Space::estimate({cloud_.now(), cloud_.weights(), bins_.view(), state}, queue_);
     if (asked(kAdapt)) choose_number();
     if (asked(kResample)) cloud_.resample(input_.input(), state, tables_.free_space(), queue_);
