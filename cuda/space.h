@@ -15,8 +15,8 @@ template <class T>
 class Mirror {
  public:
   void reserve(std::size_t size) {
+    there_.reserve(size);  // first: size() is of what both have
     host_.reserve(size);
-    there_.reserve(size);
   }
   T* host() { return host_.data(); }
   const T* host() const { return host_.data(); }
