@@ -1,6 +1,6 @@
 #include "common/filter/beam_votes.h"
-#include "common/filter/trace_beam.h"
 #include "common/math/fixed_point.h"
+#include "cuda/casters.h"
 #include "cuda/largest_weight.h"
 #include "cuda/stages.h"
 
@@ -10,21 +10,6 @@ namespace {
 constexpr unsigned kLanes = 32;  // a warp weighs one particle or a few
 constexpr unsigned kWarps = kThreads / kLanes;
 constexpr unsigned kMostPerWarp = 4;
-
-/// Of what the skip field finds, the usual case: fewer registers than a kernel that can do all.
-struct BySkipField {
-  PARLOC_HD static float expected_m(const RayTraceArgs& a, const RayOrigin& o, std::size_t, std::size_t m) {
-    const float range_max_m = a.beams.range_max_m, reach_cells = range_max_m * a.map.inv_resolution;
-    const Ray ray = ray_of_beam(a, o, m);
-    return range_of_hit(ray, cast_skip(a.map, ray, reach_cells), a.map.resolution_m, range_max_m);
-  }
-};
-/// Of walls, of the casters that are there to be compared with, or as ray_trace has stored it.
-struct ByAny {
-  PARLOC_HD static float expected_m(const RayTraceArgs& a, const RayOrigin& o, std::size_t i, std::size_t m) {
-    return a.expected_m != nullptr ? a.expected_m[i * a.beams.count + m] : trace_beam(a, o, m);
-  }
-};
 
 /// What a beam says by a model of its range.
 template <SensorModel kModel, class Caster>
@@ -146,11 +131,7 @@ void weigh(WeightArgs args, Queue& queue) {
 
 template <SensorModel kModel>
 void weigh_by_rays(const WeightArgs& args, Queue& queue) {
-  const RayTraceArgs& rays = args.rays;
-  if (rays.caster == RayCaster::skip && rays.map.walls.count == 0 && rays.expected_m == nullptr)
-    weigh<RayBeam<kModel, BySkipField>>(args, queue);
-  else
-    weigh<RayBeam<kModel, ByAny>>(args, queue);
+  with_caster(args.rays, [&](auto caster) { weigh<RayBeam<kModel, decltype(caster)>>(args, queue); });
 }
 
 }  // namespace
