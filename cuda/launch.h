@@ -52,11 +52,11 @@ inline unsigned blocks_for(std::size_t threads) {
 
 #if defined(__CUDACC__)
 /// Whether this block is the last to come. What any thread of any block wrote before, all threads of the last
-/// one see behind it.
+/// one see behind it: a fence of one thread hands on all that the barrier has shown it.
 __device__ __forceinline__ bool is_last_to_arrive(std::uint32_t* arrived, bool& last) {
-  __threadfence();
   __syncthreads();
   if (threadIdx.x == 0) {
+    __threadfence();
     last = atomicAdd(arrived, 1u) + 1 == gridDim.x;
     if (last) *arrived = 0;
     __threadfence();

@@ -184,16 +184,14 @@ struct LeapAxis {
   PARLOC_HD std::int32_t mirrored(std::int32_t cell) const { return down() ? -1 - cell : cell; }
   PARLOC_HD float crossing(float line) const { return (line - up_u) * up_inv; }
 
-  /// index_at(), mirrored. Floats of which neither is negative have the order of their bits, and those that
-  /// are negative lie below: so "before t" is "up to the float in front of t", and one comparison does for
-  /// both. `bits`: of t, less 1 if not inclusive.
-  PARLOC_HD std::int32_t index_at(float t, std::int32_t bits) const {
-    const float c = fused(floor_of(fused(t, d, u)), sign, shift);
-    const std::int32_t next = static_cast<std::int32_t>(bits_of(crossing(c + 1.0f)));
-    const std::int32_t last = static_cast<std::int32_t>(bits_of(crossing(c)));
+  /// index_at(), mirrored. `until`: t, or if lines at t are not crossed yet the float in front of it, so that
+  /// one comparison does for both.
+  PARLOC_HD std::int32_t index_at(float t, float until) const {
+    const float c = floor_of(fused(t, d, u)) * sign + shift;  // exact
     // A line at or behind the start is not crossed: without this a ray that starts on a line would fall back.
-    const std::int32_t late_from = bits > 0 ? bits : 0;
-    return static_cast<std::int32_t>(c) + (next <= bits ? 1 : (last > late_from ? -1 : 0));
+    const bool too_late = crossing(c) > max_of(until, 0.0f);
+    const bool too_early = crossing(c + 1.0f) <= until;
+    return static_cast<std::int32_t>(c) + (too_early ? 1 : (too_late ? -1 : 0));
   }
 };
 
@@ -215,6 +213,7 @@ PARLOC_HD RayHit skip_from(const RayMap& m, const Ray& r, const RayStart& s, flo
   const std::uint32_t step_x = x.down() ? 0u - 1u : 1u, step_y = y.down() ? 0u - stride : stride;
   const std::uint32_t step = steep ? step_y : step_x, side_step = steep ? step_x : step_y;
   const std::uint32_t origin = (x.down() ? 0u : 1u) + (y.down() ? 0u : stride);
+  const std::uint32_t in_front = steep ? 1 : 0;  // of t = 0: not a number, which no line is crossed before
   std::int32_t line = steep ? y.mirrored(s.j) : x.mirrored(s.i);
   std::int32_t row = steep ? x.mirrored(s.i) : y.mirrored(s.j);
   for (;;) {
@@ -226,7 +225,7 @@ PARLOC_HD RayHit skip_from(const RayMap& m, const Ray& r, const RayStart& s, flo
     }
     const std::int32_t next = line + lines;
     const float t = main.crossing(static_cast<float>(next));
-    const std::int32_t next_row = side.index_at(t, static_cast<std::int32_t>(bits_of(t)) - (steep ? 1 : 0));
+    const std::int32_t next_row = side.index_at(t, float_of(bits_of(t) - in_front));
     const bool sideways = lines == 1 && next_row != row;
     if (!sideways && !(t < reach_cells)) return {0, 0, false};
     line = sideways ? line : next;

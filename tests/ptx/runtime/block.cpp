@@ -145,7 +145,8 @@ bool Block::meet_at(std::uint32_t barrier) {
     count += meeting.value;
     int& line = line_of_warp[i / 32];
     if (line != 0 && line != meeting.line)
-      fault(threads[i], "threads of one warp are at different barriers, the others at line " + std::to_string(line));
+      fault(threads[i],
+            "threads of one warp are at different barriers, the others at line " + std::to_string(line));
     line = meeting.line;
   }
   Known known, released;

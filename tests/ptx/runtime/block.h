@@ -12,7 +12,8 @@ namespace ptx {
 
 enum class State { ready, at_barrier, in_warp, finished };
 
-/// The memory of a block. It is used again for other blocks, for it takes longer to make than many blocks to run.
+/// The memory of a block. It is used again for other blocks, for it takes longer to make than many blocks to
+/// run.
 struct BlockMemory {
   struct alignas(16) Line {
     char bytes[16];
@@ -48,7 +49,8 @@ struct Block {
   std::size_t live() const;
 
   const Launch& launch_;
-  std::size_t registers_each_;  // lines of memory from one thread's to the next; 0: one thread at a time has them
+  std::size_t
+      registers_each_;  // lines of memory from one thread's to the next; 0: one thread at a time has them
 };
 
 /// Lets those threads of a warp go on that have met at an instruction of the warp. True if any have.

@@ -13,7 +13,8 @@
 namespace ptx {
 namespace {
 
-constexpr unsigned kMostLooks = 10000;  // of all waiting blocks in turn, before they are said to wait for ever
+constexpr unsigned kMostLooks =
+    10000;  // of all waiting blocks in turn, before they are said to wait for ever
 
 std::vector<std::uint32_t> order_of_blocks(std::uint64_t count, std::mt19937& random) {
   std::vector<std::uint32_t> order(count);
