@@ -1,5 +1,5 @@
-// Loads, stores and atomics of the written kernels. Every one is checked (runtime/access.cpp) before the memory
-// is touched.
+// Loads, stores and atomics of the written kernels. Every one is checked (runtime/access.cpp) before the
+// memory is touched.
 #pragma once
 
 #include <cstring>
@@ -10,10 +10,11 @@
 
 namespace ptx {
 
-// Addresses are numbers of the device. Those of shared memory, local memory and parameters are offsets, which in
-// the generic space get one of these added. Global and constant memory have generic addresses from the start.
-inline constexpr std::uint64_t kSharedWindow = 1ull << 60, kLocalWindow = 2ull << 60, kParameterWindow = 3ull << 60,
-                               kWindowBits = 7ull << 60;
+// Addresses are numbers of the device. Those of shared memory, local memory and parameters are offsets, which
+// in the generic space get one of these added. Global and constant memory have generic addresses from the
+// start.
+inline constexpr std::uint64_t kSharedWindow = 1ull << 60, kLocalWindow = 2ull << 60,
+                               kParameterWindow = 3ull << 60, kWindowBits = 7ull << 60;
 
 enum class Space { global, shared, local, parameter, generic };
 enum class Access { read, write, strong_read, strong_write, update };
@@ -24,7 +25,9 @@ char* reach(Thread& thread, Space space, std::uint64_t address, unsigned bytes, 
 void fence(Thread& thread);
 /// float32 in global memory: subnormal numbers count as zero, before and after.
 inline float add_flushed(float a, float b) {
-  const auto flushed = [](float x) { return std::fpclassify(x) == FP_SUBNORMAL ? std::copysign(0.0f, x) : x; };
+  const auto flushed = [](float x) {
+    return std::fpclassify(x) == FP_SUBNORMAL ? std::copysign(0.0f, x) : x;
+  };
   return flushed(add(flushed(a), flushed(b)));
 }
 /// Ends the program: this instruction is not understood, or refused.
@@ -83,12 +86,13 @@ T compare_and_swap(Thread& thread, Space space, std::uint64_t address, T expecte
 }
 
 /// Asks what a thread wants of its warp.
-inline void ask(Thread& thread, Request request, std::uint32_t mask, std::uint64_t value, std::uint32_t lane = 0,
-                std::uint32_t bound = 0, bool is_signed = false) {
+inline void ask(Thread& thread, Request request, std::uint32_t mask, std::uint64_t value,
+                std::uint32_t lane = 0, std::uint32_t bound = 0, bool is_signed = false) {
   thread.meeting = {request, thread.line, mask, value, lane, bound, is_signed, 0, 0, 0, false};
 }
 /// Waits at a barrier of the block, for all of its threads if `expected` is 0.
-inline void await(Thread& thread, Request request, std::uint32_t barrier, std::uint32_t expected, bool predicate) {
+inline void await(Thread& thread, Request request, std::uint32_t barrier, std::uint32_t expected,
+                  bool predicate) {
   thread.meeting = {request, thread.line, 0, predicate, 0, 0, false, barrier, expected, 0, false};
 }
 

@@ -1,5 +1,5 @@
-// What PTX's instructions compute, as the PTX ISA says it, edge cases included: shifts by more than the width,
-// division by zero, NaN. Only instructions whose result is defined bit by bit are here.
+// What PTX's instructions compute, as the PTX ISA says it, edge cases included: shifts by more than the
+// width, division by zero, NaN. Only instructions whose result is defined bit by bit are here.
 #pragma once
 
 #include <bit>
@@ -15,7 +15,8 @@ inline constexpr unsigned kBits = sizeof(T) * 8;
 template <class T>
 using Unsigned = std::make_unsigned_t<T>;
 
-/// The one NaN that float32 arithmetic gives, whatever went in. Of float64 the payload of the operand is kept.
+/// The one NaN that float32 arithmetic gives, whatever went in. Of float64 the payload of the operand is
+/// kept.
 inline float canonical(float x) {
   return x == x ? x : std::bit_cast<float>(0x7fffffffu);
 }
@@ -219,7 +220,9 @@ inline std::uint32_t any_of_three(std::uint32_t a, std::uint32_t b, std::uint32_
 template <class To, class From>
 To saturate(From x) {
   using Limits = std::numeric_limits<To>;
-  if (x != x) return sizeof(From) == 8 || sizeof(To) == 8 ? static_cast<To>(std::uint64_t{1} << (kBits<To> - 1)) : To{0};
+  if (x != x)
+    return sizeof(From) == 8 || sizeof(To) == 8 ? static_cast<To>(std::uint64_t{1} << (kBits<To> - 1))
+                                                : To{0};
   // Both bounds are powers of two, or zero: exact in either type.
   const From end = std::ldexp(From{1}, static_cast<int>(kBits<To>) - (std::is_signed_v<To> ? 1 : 0));
   if (x >= end) return Limits::max();

@@ -1,6 +1,6 @@
-// What the written kernels know of their surroundings: the thread that runs, and what it waits for. A kernel is
-// a function of one thread. Where threads meet (a barrier, an instruction of a warp) it returns to the scheduler
-// with its registers kept, and goes on behind that instruction when it is called again.
+// What the written kernels know of their surroundings: the thread that runs, and what it waits for. A kernel
+// is a function of one thread. Where threads meet (a barrier, an instruction of a warp) it returns to the
+// scheduler with its registers kept, and goes on behind that instruction when it is called again.
 #pragma once
 
 #include <array>

@@ -16,8 +16,8 @@ void check_alignment(const Thread& thread, std::uint64_t address, unsigned bytes
 }
 
 /// Bytes of a piece of memory whose addresses start with 0.
-char* reach_within(const Thread& thread, char* start, std::uint32_t size, std::uint64_t offset, unsigned bytes,
-                   const char* what) {
+char* reach_within(const Thread& thread, char* start, std::uint32_t size, std::uint64_t offset,
+                   unsigned bytes, const char* what) {
   if (offset + bytes > size || offset + bytes < bytes)
     fault(thread, std::to_string(bytes) + " bytes out of bounds, at " + std::to_string(offset) + " of " +
                       std::to_string(size) + " bytes of " + what);
@@ -34,8 +34,8 @@ char* reach_global(Thread& thread, std::uint64_t address, unsigned bytes, Access
 char* reach_shared(Thread& thread, std::uint64_t offset, unsigned bytes, Access access) {
   char* at = reach_within(thread, thread.shared, thread.shared_bytes, offset, bytes, "shared memory");
   if (settings().races)
-    RaceDetector::instance().note_shared(thread, thread.block->memory->traces, static_cast<std::uint32_t>(offset), bytes,
-                                         access);
+    RaceDetector::instance().note_shared(thread, thread.block->memory->traces,
+                                         static_cast<std::uint32_t>(offset), bytes, access);
   return at;
 }
 
@@ -57,8 +57,9 @@ char* reach(Thread& thread, Space space, std::uint64_t address, unsigned bytes, 
     case Space::local:
       return reach_within(thread, thread.local, thread.local_bytes, address, bytes, "local memory");
     case Space::parameter:
-      return reach_within(thread, thread.parameters, static_cast<std::uint32_t>(thread.launch->parameters.size()),
-                          address, bytes, "parameters");
+      return reach_within(thread, thread.parameters,
+                          static_cast<std::uint32_t>(thread.launch->parameters.size()), address, bytes,
+                          "parameters");
     default:
       return reach_global(thread, address, bytes, access);
   }

@@ -12,7 +12,8 @@ namespace ptx {
 
 enum class State { ready, at_barrier, in_warp, finished };
 
-/// The memory of a block. It is used again for other blocks, for it takes longer to make than many blocks to run.
+/// The memory of a block. It is used again for other blocks, for it takes longer to make than many blocks to
+/// run.
 struct BlockMemory {
   struct alignas(16) Line {
     char bytes[16];
@@ -27,9 +28,9 @@ struct Block {
   Block(const Block&) = delete;
   Block& operator=(const Block&) = delete;
 
-  enum class Progress { finished, advanced, waiting };
-  /// Runs every thread that can run to where it stops next, and lets those go on that have met. `waiting`: no
-  /// thread did more than look whether something has happened.
+  enum class Progress { finished, advanced, looked };
+  /// Runs every thread that can run to where it stops next, and lets those go on that have met. `looked`: a
+  /// thread read what another block may have to write first.
   Progress run_round(std::mt19937& order);
   /// The kernel and the first thread that is not finished, for a message.
   const Thread& unfinished() const;
@@ -41,14 +42,18 @@ struct Block {
   std::unique_ptr<BlockMemory> memory;
 
  private:
-  bool run_threads(std::mt19937& order);
+  struct Ran {
+    bool advanced = false, looked = false;
+  };
+  Ran run_threads(std::mt19937& order);
   bool release_barriers();
   bool meet_at(std::uint32_t barrier);
   [[noreturn]] void explain_standstill() const;
   std::size_t live() const;
 
   const Launch& launch_;
-  std::size_t registers_each_;  // lines of memory from one thread's to the next; 0: one thread at a time has them
+  std::size_t
+      registers_each_;  // lines of memory from one thread's to the next; 0: one thread at a time has them
 };
 
 /// Lets those threads of a warp go on that have met at an instruction of the warp. True if any have.

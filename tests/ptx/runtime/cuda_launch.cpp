@@ -1,5 +1,5 @@
-// The part of CUDA's runtime that nvcc's own code calls: kernels and variables are registered when the program
-// starts, and `kernel<<<...>>>(...)` is a launch.
+// The part of CUDA's runtime that nvcc's own code calls: kernels and variables are registered when the
+// program starts, and `kernel<<<...>>>(...)` is a launch.
 #include <cuda_runtime_api.h>
 
 #include <cstring>
@@ -39,15 +39,20 @@ Extent extent(const dim3& d) {
 
 void check(const Launch& launch) {
   const Kernel& kernel = *launch.kernel;
-  const auto refuse = [&](const std::string& why) { fault("launch of " + readable_name(kernel.name) + ": " + why); };
-  if (launch.blocks.all() == 0 || launch.blocks.x > 2147483647u || launch.blocks.y > 65535 || launch.blocks.z > 65535)
+  const auto refuse = [&](const std::string& why) {
+    fault("launch of " + readable_name(kernel.name) + ": " + why);
+  };
+  if (launch.blocks.all() == 0 || launch.blocks.x > 2147483647u || launch.blocks.y > 65535 ||
+      launch.blocks.z > 65535)
     refuse("a grid of " + text(launch.blocks));
   if (launch.threads.all() == 0 || launch.threads.all() > kernel.max_threads)
-    refuse("a block of " + text(launch.threads) + ", where at most " + std::to_string(kernel.max_threads) + " are allowed");
+    refuse("a block of " + text(launch.threads) + ", where at most " + std::to_string(kernel.max_threads) +
+           " are allowed");
   const std::uint32_t shared = kernel.shared_bytes + launch.dynamic_shared;
   const auto allowed = allowed_shared().find(&kernel);
-  const bool enough = shared <= kSharedAtFirst || (allowed != allowed_shared().end() && shared <= kSharedAtMost &&
-                                                   launch.dynamic_shared <= allowed->second);
+  const bool enough =
+      shared <= kSharedAtFirst || (allowed != allowed_shared().end() && shared <= kSharedAtMost &&
+                                   launch.dynamic_shared <= allowed->second);
   if (!enough) refuse(std::to_string(shared) + " bytes of shared memory, more than it has been allowed");
 }
 
@@ -57,7 +62,8 @@ void start(const void* host, const Configuration& c, void** arguments) {
   check(launch);
   launch.parameters.resize(kernel.parameter_bytes);
   for (std::size_t i = 0; kernel.parameters[i].size > 0; ++i)
-    std::memcpy(launch.parameters.data() + kernel.parameters[i].offset, arguments[i], kernel.parameters[i].size);
+    std::memcpy(launch.parameters.data() + kernel.parameters[i].offset, arguments[i],
+                kernel.parameters[i].size);
   if (c.stream == nullptr) fault("a launch into the default stream");
   reinterpret_cast<Stream*>(c.stream)->add([launch]() mutable {
     static std::uint32_t launches = 0;
@@ -78,7 +84,8 @@ void** __cudaRegisterFatBinary(void*) {
 void __cudaRegisterFatBinaryEnd(void**) {}
 void __cudaUnregisterFatBinary(void**) {}
 
-void __cudaRegisterFunction(void**, const char* host, char*, const char* name, int, uint3*, uint3*, dim3*, dim3*, int*) {
+void __cudaRegisterFunction(void**, const char* host, char*, const char* name, int, uint3*, uint3*, dim3*,
+                            dim3*, int*) {
   ptx::register_kernel(host, name);
 }
 
@@ -105,14 +112,14 @@ cudaError_t __cudaGetKernel(cudaKernel_t* kernel, const void* host) {
   return cudaSuccess;
 }
 
-cudaError_t cudaLaunchKernel(const void* host, dim3 blocks, dim3 threads, void** arguments, std::size_t shared,
-                             cudaStream_t stream) {
+cudaError_t cudaLaunchKernel(const void* host, dim3 blocks, dim3 threads, void** arguments,
+                             std::size_t shared, cudaStream_t stream) {
   ptx::start(host, {blocks, threads, shared, stream}, arguments);
   return cudaSuccess;
 }
 
-cudaError_t __cudaLaunchKernel(cudaKernel_t kernel, dim3 blocks, dim3 threads, void** arguments, std::size_t shared,
-                               cudaStream_t stream) {
+cudaError_t __cudaLaunchKernel(cudaKernel_t kernel, dim3 blocks, dim3 threads, void** arguments,
+                               std::size_t shared, cudaStream_t stream) {
   return cudaLaunchKernel(static_cast<const void*>(kernel), blocks, threads, arguments, shared, stream);
 }
 

@@ -1,10 +1,11 @@
-// The part of CUDA's runtime that allocates and copies. Ranges and kinds of memory are checked at the call. A copy
-// of pageable memory may be done at any time until the stream is waited for: it is done as late as that, and finds
-// out whether the host changed its buffer, or gave it away, before then.
+// The part of CUDA's runtime that allocates and copies. Ranges and kinds of memory are checked at the call. A
+// copy of pageable memory may be done at any time until the stream is waited for: it is done as late as that,
+// and finds out whether the host changed its buffer, or gave it away, before then.
 #include <cuda_runtime_api.h>
 
 #include <cstdlib>
 #include <cstring>
+#include <functional>
 #include <map>
 #include <string>
 #include <string_view>
@@ -67,7 +68,8 @@ Work copy_work(void* to, const void* from, std::size_t bytes, const void* pageab
   const std::size_t before = hash_of(pageable, bytes);
   return [=] {
     if (hash_of(pageable, bytes) != before)
-      fault("the host changed or freed its buffer of " + std::to_string(bytes) + " bytes before the copy was waited for");
+      fault("the host changed or freed its buffer of " + std::to_string(bytes) +
+            " bytes before the copy was waited for");
     std::memcpy(to, from, bytes);
   };
 }
@@ -113,7 +115,8 @@ cudaError_t cudaFree(void* at) {
   if (at == nullptr) return cudaSuccess;
   ptx::Stream::forbid_while_recording("memory is freed");
   ptx::Stream::run_all();
-  if (!ptx::DeviceMemory::instance().free(ptx::number(at))) ptx::fault("cudaFree of what is no live allocation");
+  if (!ptx::DeviceMemory::instance().free(ptx::number(at)))
+    ptx::fault("cudaFree of what is no live allocation");
   return cudaSuccess;
 }
 
@@ -132,18 +135,20 @@ cudaError_t cudaFreeHost(void* at) {
   if (at == nullptr) return cudaSuccess;
   ptx::Stream::forbid_while_recording("memory is freed");
   ptx::Stream::run_all();
-  if (ptx::pinned().erase(static_cast<char*>(at)) == 0) ptx::fault("cudaFreeHost of what is no live allocation");
+  if (ptx::pinned().erase(static_cast<char*>(at)) == 0)
+    ptx::fault("cudaFreeHost of what is no live allocation");
   std::free(at);
   return cudaSuccess;
 }
 
-cudaError_t cudaMemcpyAsync(void* to, const void* from, std::size_t bytes, cudaMemcpyKind kind, cudaStream_t stream) {
+cudaError_t cudaMemcpyAsync(void* to, const void* from, std::size_t bytes, cudaMemcpyKind kind,
+                            cudaStream_t stream) {
   ptx::copy(to, from, bytes, kind, ptx::stream_of(stream));
   return cudaSuccess;
 }
 
-cudaError_t cudaMemcpyToSymbolAsync(const void* symbol, const void* from, std::size_t bytes, std::size_t offset,
-                                    cudaMemcpyKind kind, cudaStream_t stream) {
+cudaError_t cudaMemcpyToSymbolAsync(const void* symbol, const void* from, std::size_t bytes,
+                                    std::size_t offset, cudaMemcpyKind kind, cudaStream_t stream) {
   const std::uint64_t to = ptx::symbol_of(symbol).address + offset;
   ptx::copy(reinterpret_cast<void*>(to), from, bytes, kind, ptx::stream_of(stream));
   return cudaSuccess;

@@ -44,7 +44,8 @@ cudaError_t cudaStreamEndCapture(cudaStream_t stream, cudaGraph_t* graph) {
   return cudaSuccess;
 }
 
-cudaError_t cudaGraphInstantiateWithFlags(cudaGraphExec_t* executable, cudaGraph_t graph, unsigned long long) {
+cudaError_t cudaGraphInstantiateWithFlags(cudaGraphExec_t* executable, cudaGraph_t graph,
+                                          unsigned long long) {
   const auto& recorded = *reinterpret_cast<const ptx::Graph*>(graph);
   ++ptx::host_counts().graphs;
   ptx::host_counts().nodes += recorded.nodes.size();
@@ -65,7 +66,8 @@ cudaError_t cudaGraphExecDestroy(cudaGraphExec_t executable) {
 
 cudaError_t cudaGraphLaunch(cudaGraphExec_t executable, cudaStream_t stream) {
   ++ptx::host_counts().graph_launches;
-  for (const ptx::Work& node : reinterpret_cast<const ptx::Graph*>(executable)->nodes) stream_of(stream).add(node);
+  for (const ptx::Work& node : reinterpret_cast<const ptx::Graph*>(executable)->nodes)
+    stream_of(stream).add(node);
   return cudaSuccess;
 }
 

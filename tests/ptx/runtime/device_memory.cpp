@@ -48,7 +48,8 @@ DeviceMemory::DeviceMemory()
 std::uint64_t DeviceMemory::allocate(std::size_t bytes) {
   if (bytes > settings().memory || held_ + bytes > settings().memory) return 0;
   const std::uint64_t pages = bytes / kPage + 1;  // what lies behind the last byte belongs to nobody
-  if (used_ + (pages + 1) * kPage > kSpace) fault("the program has allocated more memory in all than there are addresses");
+  if (used_ + (pages + 1) * kPage > kSpace)
+    fault("the program has allocated more memory in all than there are addresses");
   const std::uint64_t begin = first_ + used_;
   pieces_[count_++] = {begin, begin + bytes, true};
   for (std::uint64_t page = 0; page < pages; ++page) owners_[used_ / kPage + page] = count_;
@@ -71,7 +72,8 @@ bool DeviceMemory::free(std::uint64_t address) {
 std::string DeviceMemory::explain(std::uint64_t address, std::size_t bytes) const {
   const Piece* piece = piece_at(address);
   const std::string what = std::to_string(bytes) + " bytes ";
-  if (!is_device(address)) return what + (address < kPage ? "behind a null pointer" : "that are no memory of the device");
+  if (!is_device(address))
+    return what + (address < kPage ? "behind a null pointer" : "that are no memory of the device");
   if (piece == nullptr) return what + "outside of every allocation";
   const std::string of = std::to_string(piece->end - piece->begin) + " bytes";
   if (!piece->live) return what + "of freed memory, an allocation of " + of;

@@ -1,6 +1,6 @@
-// The device's memory. Its addresses are numbers that no page of the host lies behind, so that a host that reads
-// or writes them dies; the executor finds the bytes elsewhere. No address is given twice, so that freed memory
-// stays known as such.
+// The device's memory. Its addresses are numbers that no page of the host lies behind, so that a host that
+// reads or writes them dies; the executor finds the bytes elsewhere. No address is given twice, so that freed
+// memory stays known as such.
 #pragma once
 
 #include <cstddef>

@@ -58,7 +58,8 @@ const Entry& find(const std::map<std::string, const Entry*>& entries, const void
   const auto name = names().find(host);
   if (name == names().end()) fault(std::string("an address that is no ") + what);
   const auto entry = entries.find(name->second);
-  if (entry == entries.end()) fault(std::string("there is no PTX of the ") + what + " " + readable_name(name->second));
+  if (entry == entries.end())
+    fault(std::string("there is no PTX of the ") + what + " " + readable_name(name->second));
   return *entry->second;
 }
 

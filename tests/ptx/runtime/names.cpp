@@ -37,7 +37,8 @@ std::string readable_name(const std::string& name) {
       abi::__cxa_demangle(name.c_str(), nullptr, nullptr, &status), std::free);
   if (status != 0) return name;
   std::string readable = text.get();
-  readable = std::regex_replace(readable, std::regex(R"(^void |\(anonymous namespace\)::|parloc::cuda::)"), "");
+  readable =
+      std::regex_replace(readable, std::regex(R"(^void |\(anonymous namespace\)::|parloc::cuda::)"), "");
   std::smatch found;
   if (std::regex_match(readable, found, std::regex(R"(run_kernel<(.*)>\(.*\))"))) return found.str(1);
   return readable.substr(0, readable.find('('));

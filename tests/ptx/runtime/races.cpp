@@ -13,8 +13,8 @@ namespace {
 constexpr std::uint64_t kSharedKey = 1ull << 63;
 
 Stamp stamp_of(const Thread& thread) {
-  return {thread.block->number, static_cast<std::uint16_t>(thread.index), static_cast<std::uint16_t>(thread.line),
-          thread.clock};
+  return {thread.block->number, static_cast<std::uint16_t>(thread.index),
+          static_cast<std::uint16_t>(thread.line), thread.clock};
 }
 
 /// Whether what the stamp says happened before what the thread does now.
@@ -22,7 +22,8 @@ bool comes_before(const Stamp& stamp, const Thread& thread) {
   if (!stamp) return true;
   if (stamp.block == thread.block->number) {
     if (stamp.thread == thread.index || stamp.clock < thread.block_seen) return true;
-    if (stamp.thread / 32u == thread.warp() && stamp.clock < thread.warp_seen[stamp.thread % 32u]) return true;
+    if (stamp.thread / 32u == thread.warp() && stamp.clock < thread.warp_seen[stamp.thread % 32u])
+      return true;
   }
   if (thread.known == nullptr) return false;
   const auto block = thread.known->blocks.find(stamp.block);
@@ -45,7 +46,8 @@ Known join(const Known& a, const Known& b) {
   for (const auto& [number, block] : b->blocks) {
     auto& mine = both->blocks[number];
     mine.everyone = std::max(mine.everyone, block.everyone);
-    for (const auto& [thread, clock] : block.threads) mine.threads[thread] = std::max(mine.threads[thread], clock);
+    for (const auto& [thread, clock] : block.threads)
+      mine.threads[thread] = std::max(mine.threads[thread], clock);
   }
   return both;
 }
@@ -65,15 +67,17 @@ void RaceDetector::begin() {
 
 void RaceDetector::note_global(Thread& thread, std::uint64_t place, unsigned bytes, Access access) {
   for (unsigned done = 0; done < bytes; done += 4)
-    note(thread, traces_[(place + done) / 4], thread.launch->number, place + done, std::min(bytes - done, 4u), access);
+    note(thread, traces_[(place + done) / 4], thread.launch->number, place + done, std::min(bytes - done, 4u),
+         access);
   if (thread.launch->kernel->has_fence) synchronise(thread, place, access);
 }
 
-void RaceDetector::note_shared(Thread& thread, std::vector<Trace>& traces, std::uint32_t offset, unsigned bytes,
-                               Access access) {
+void RaceDetector::note_shared(Thread& thread, std::vector<Trace>& traces, std::uint32_t offset,
+                               unsigned bytes, Access access) {
   const std::uint64_t key = kSharedKey | std::uint64_t{thread.block->number} << 24 | offset;
   for (unsigned done = 0; done < bytes; done += 4)
-    note(thread, traces[(offset + done) / 4], thread.block->serial, key + done, std::min(bytes - done, 4u), access);
+    note(thread, traces[(offset + done) / 4], thread.block->serial, key + done, std::min(bytes - done, 4u),
+         access);
   if (thread.launch->kernel->has_fence) synchronise(thread, key, access);
 }
 
@@ -109,8 +113,8 @@ void RaceDetector::check(Thread& thread, Trace& trace, bool shared, Access acces
     const bool one_block = before.block == thread.block->number;
     note_race(thread, std::string(is_write(access) ? "writes" : "reads") + (strong ? " atomically" : "") +
                           (shared ? " shared" : " global") + " memory that " +
-                          (one_block ? "another thread of the block" : "another block") + " " + what + " at line " +
-                          std::to_string(before.line) + ", with nothing between them");
+                          (one_block ? "another thread of the block" : "another block") + " " + what +
+                          " at line " + std::to_string(before.line) + ", with nothing between them");
   };
   const Stamp now = stamp_of(thread);
   against(trace.write, "writes");

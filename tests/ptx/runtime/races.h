@@ -1,7 +1,7 @@
-// The race detector: of every four bytes it keeps who wrote and read them last in this launch, and tells of two
-// threads that touch the same bytes, one of them writing, when nothing orders them. What orders: a barrier of the
-// block, bar.warp.sync, and from block to block a fence before an atomic (or volatile) write which the other has
-// seen by an atomic (or volatile) read. Launches of a stream follow each other.
+// The race detector: of every four bytes it keeps who wrote and read them last in this launch, and tells of
+// two threads that touch the same bytes, one of them writing, when nothing orders them. What orders: a
+// barrier of the block, bar.warp.sync, and from block to block a fence before an atomic (or volatile) write
+// which the other has seen by an atomic (or volatile) read. Launches of a stream follow each other.
 #pragma once
 
 #include <cstdint>
@@ -22,11 +22,11 @@ struct Stamp {
   bool same_thread(const Stamp& o) const { return block == o.block && thread == o.thread; }
 };
 
-/// The last accesses to some bytes. Of plain reads three are kept: the last, the last of another thread of that
-/// block, and the last of another block.
+/// The last accesses to some bytes. Of plain reads three are kept: the last, the last of another thread of
+/// that block, and the last of another block.
 struct Trace {
   std::uint32_t era = 0;  // the launch, or the block of shared memory: before it is forgotten
-  bool by_byte = false;  // parts of the four bytes have traces of their own
+  bool by_byte = false;   // parts of the four bytes have traces of their own
   Stamp write, strong_write, strong_read, reads[3];
 };
 
@@ -48,7 +48,8 @@ class RaceDetector {
   /// Forgets what the launch before did.
   void begin();
   void note_global(Thread& thread, std::uint64_t place, unsigned bytes, Access access);
-  void note_shared(Thread& thread, std::vector<Trace>& traces, std::uint32_t offset, unsigned bytes, Access access);
+  void note_shared(Thread& thread, std::vector<Trace>& traces, std::uint32_t offset, unsigned bytes,
+                   Access access);
 
  private:
   RaceDetector();
@@ -56,8 +57,8 @@ class RaceDetector {
   void check(Thread& thread, Trace& trace, bool shared, Access access);
   void synchronise(Thread& thread, std::uint64_t key, Access access);
 
-  Trace* traces_ = nullptr;  // of global memory
-  std::unordered_map<std::uint64_t, Trace> bytes_;  // of parts of four bytes
+  Trace* traces_ = nullptr;                             // of global memory
+  std::unordered_map<std::uint64_t, Trace> bytes_;      // of parts of four bytes
   std::unordered_map<std::uint64_t, Known> published_;  // with the atomics of a place
 };
 

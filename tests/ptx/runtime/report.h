@@ -1,4 +1,5 @@
-// What is said: faults, which end the program at once; races, which are gathered and told at its end; and counts.
+// What is said: faults, which end the program at once; races, which are gathered and told at its end; and
+// counts.
 #pragma once
 
 #include <string>
@@ -27,7 +28,8 @@ struct KernelCounts {
 KernelCounts& counts_of(const Kernel& kernel);
 /// What the host asked for.
 struct HostCounts {
-  std::uint64_t allocations = 0, copies = 0, bytes_copied = 0, waits = 0, graphs = 0, nodes = 0, graph_launches = 0;
+  std::uint64_t allocations = 0, copies = 0, bytes_copied = 0, waits = 0, graphs = 0, nodes = 0,
+                graph_launches = 0;
 };
 HostCounts& host_counts();
 

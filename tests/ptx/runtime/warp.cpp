@@ -1,5 +1,5 @@
-// Instructions of a warp. The threads that one names in its mask, but for those that have finished, wait until all
-// of them are at such an instruction with the same mask; then each gets its answer.
+// Instructions of a warp. The threads that one names in its mask, but for those that have finished, wait
+// until all of them are at such an instruction with the same mask; then each gets its answer.
 #include <algorithm>
 #include <bit>
 
@@ -9,7 +9,8 @@
 namespace ptx {
 namespace {
 
-// What a shuffle gives that reads from a lane which does not take part: undefined, so that no result may depend on it.
+// What a shuffle gives that reads from a lane which does not take part: undefined, so that no result may
+// depend on it.
 constexpr std::uint32_t kPoison = 0xcdcdcdcd;
 
 struct Warp {
@@ -21,7 +22,8 @@ struct Warp {
 
 Warp warp_of(Block& block, std::uint32_t number) {
   const std::uint32_t first = number * 32;
-  return {block, first, std::min<std::uint32_t>(32, static_cast<std::uint32_t>(block.threads.size()) - first)};
+  return {block, first,
+          std::min<std::uint32_t>(32, static_cast<std::uint32_t>(block.threads.size()) - first)};
 }
 
 /// Those lanes that the mask names and that have not finished.
@@ -140,7 +142,8 @@ void synchronise(const Warp& warp, std::uint32_t lanes) {
     if (!(lanes >> i & 1)) continue;
     const Thread& thread = warp.lane(i);
     clock = std::max(clock, thread.clock + 1);
-    for (std::uint32_t other = 0; other < 32; ++other) seen[other] = std::max(seen[other], thread.warp_seen[other]);
+    for (std::uint32_t other = 0; other < 32; ++other)
+      seen[other] = std::max(seen[other], thread.warp_seen[other]);
     known = join(known, thread.known);
     released = join(released, thread.released);
   }
@@ -181,7 +184,8 @@ bool meet_in_warp(Block& block, std::uint32_t number) {
   for (std::uint32_t i = 0; i < warp.count; ++i) {
     if (warp.state(i) != State::in_warp) continue;
     const Thread& thread = warp.lane(i);
-    if (!(thread.meeting.mask >> i & 1)) fault(thread, "the mask does not name lane " + std::to_string(i) + ", its own");
+    if (!(thread.meeting.mask >> i & 1))
+      fault(thread, "the mask does not name lane " + std::to_string(i) + ", its own");
     const std::uint32_t lanes = awaited(warp, thread.meeting.mask);
     if (arrived(warp, thread.meeting) != lanes) continue;
     answer(warp, lanes, thread.meeting.request);
@@ -197,8 +201,8 @@ void explain_missing_lanes(const Block& block, const Thread& thread) {
   const std::uint32_t missing = awaited(warp, thread.meeting.mask) & ~arrived(warp, thread.meeting);
   const auto first = static_cast<std::uint32_t>(std::countr_zero(missing));
   const Thread& absent = warp.lane(first);
-  fault(thread, "lanes that its mask names do not come: " + list(missing) + "; lane " + std::to_string(first) +
-                    " waits at line " + std::to_string(absent.meeting.line));
+  fault(thread, "lanes that its mask names do not come: " + list(missing) + "; lane " +
+                    std::to_string(first) + " waits at line " + std::to_string(absent.meeting.line));
 }
 
 }  // namespace ptx
