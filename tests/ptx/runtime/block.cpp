@@ -4,6 +4,7 @@
 #include <cstring>
 #include <numeric>
 #include <set>
+#include <utility>
 
 #include "tests/ptx/runtime/report.h"
 #include "tests/ptx/runtime/settings.h"

@@ -5,6 +5,7 @@
 #include <memory>
 #include <numeric>
 #include <random>
+#include <utility>
 
 #include "tests/ptx/runtime/block.h"
 #include "tests/ptx/runtime/report.h"
