@@ -4,6 +4,7 @@
 #include <cstring>
 #include <numeric>
 #include <set>
+#include <utility>
 
 #include "tests/ptx/runtime/report.h"
 #include "tests/ptx/runtime/settings.h"
@@ -87,41 +88,41 @@ Block::~Block() {
 }
 
 Block::Progress Block::run_round(std::mt19937& order) {
-  bool advanced = run_threads(order);
+  Ran ran = run_threads(order);
   if (live() == 0) return Progress::finished;
-  for (std::uint32_t warp = 0; warp * 32 < threads.size(); ++warp) advanced |= meet_in_warp(*this, warp);
-  advanced |= release_barriers();
-  if (advanced) return Progress::advanced;
-  if (std::find(states.begin(), states.end(), State::ready) == states.end()) explain_standstill();
-  return Progress::waiting;
+  for (std::uint32_t warp = 0; warp * 32 < threads.size(); ++warp) ran.advanced |= meet_in_warp(*this, warp);
+  ran.advanced |= release_barriers();
+  if (!ran.advanced && std::find(states.begin(), states.end(), State::ready) == states.end())
+    explain_standstill();
+  return ran.looked ? Progress::looked : Progress::advanced;
 }
 
-/// True if any thread got further than a yield.
-bool Block::run_threads(std::mt19937& order) {
+Block::Ran Block::run_threads(std::mt19937& order) {
   const auto count = static_cast<std::uint32_t>(threads.size());
   const bool shuffled = settings().seed != 0;
   // A walk through all of them: from anywhere, by a step that has no factor in common with their number.
   std::uint32_t step = shuffled ? order() % count | 1 : 1;
   while (std::gcd(step, count) != 1) ++step;
   std::uint32_t at = shuffled ? order() % count : 0;
-  bool advanced = false;
-  for (std::uint32_t i = 0; i < count; ++i, at = (at + step) % count) {
+  Ran ran;
+  for (std::uint32_t i = 0; i < count; ++i, at += at + step < count ? step : step - count) {
     if (states[at] != State::ready) continue;
     Thread& thread = threads[at];
     thread.patience = kPatience;
     void* registers = memory->registers.data() + at * registers_each_;
     if (!launch_.kernel->meets) start_of(registers);
     const Outcome outcome = launch_.kernel->run(thread, registers);
-    advanced |= outcome != Outcome::yielded;
+    ran.advanced |= outcome != Outcome::yielded;
+    ran.looked |= outcome == Outcome::yielded || thread.patience < kPatience;
     if (outcome == Outcome::finished) states[at] = State::finished;
     if (outcome == Outcome::barrier) states[at] = State::at_barrier;
     if (outcome == Outcome::warp) states[at] = State::in_warp;
   }
-  return advanced;
+  return ran;
 }
 
 bool Block::release_barriers() {
-  std::set<std::uint32_t> barriers;
+  std::set<std::uint32_t> barriers;  // mostly none, or one
   for (std::size_t i = 0; i < threads.size(); ++i)
     if (states[i] == State::at_barrier) barriers.insert(threads[i].meeting.barrier);
   bool released = false;
@@ -135,7 +136,7 @@ bool Block::meet_at(std::uint32_t barrier) {
   for (std::size_t i = 0; i < threads.size(); ++i)
     if (states[i] == State::at_barrier && threads[i].meeting.barrier == barrier) here.push_back(i);
   const Meeting& first = threads[here[0]].meeting;
-  const std::size_t expected = first.expected == 0 ? live() : first.expected;
+  const std::size_t there = live(), expected = first.expected == 0 ? there : first.expected;
   if (here.size() < expected) return false;
   if (here.size() > expected) fault(threads[here[0]], "more threads have come to the barrier than it is for");
   std::uint64_t count = 0;
@@ -162,7 +163,7 @@ bool Block::meet_at(std::uint32_t barrier) {
     thread.meeting.result = count;
     thread.meeting.predicate = count == here.size();
     thread.clock = clock + 1;
-    if (here.size() == live()) thread.block_seen = clock + 1;
+    if (here.size() == there) thread.block_seen = clock + 1;
     thread.known = known, thread.released = released;
   }
   return true;

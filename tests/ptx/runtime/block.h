@@ -28,9 +28,9 @@ struct Block {
   Block(const Block&) = delete;
   Block& operator=(const Block&) = delete;
 
-  enum class Progress { finished, advanced, waiting };
-  /// Runs every thread that can run to where it stops next, and lets those go on that have met. `waiting`: no
-  /// thread did more than look whether something has happened.
+  enum class Progress { finished, advanced, looked };
+  /// Runs every thread that can run to where it stops next, and lets those go on that have met. `looked`: a
+  /// thread read what another block may have to write first.
   Progress run_round(std::mt19937& order);
   /// The kernel and the first thread that is not finished, for a message.
   const Thread& unfinished() const;
@@ -42,7 +42,10 @@ struct Block {
   std::unique_ptr<BlockMemory> memory;
 
  private:
-  bool run_threads(std::mt19937& order);
+  struct Ran {
+    bool advanced = false, looked = false;
+  };
+  Ran run_threads(std::mt19937& order);
   bool release_barriers();
   bool meet_at(std::uint32_t barrier);
   [[noreturn]] void explain_standstill() const;

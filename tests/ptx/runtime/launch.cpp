@@ -5,6 +5,7 @@
 #include <memory>
 #include <numeric>
 #include <random>
+#include <utility>
 
 #include "tests/ptx/runtime/block.h"
 #include "tests/ptx/runtime/report.h"
@@ -13,8 +14,8 @@
 namespace ptx {
 namespace {
 
-constexpr unsigned kMostLooks =
-    10000;  // of all waiting blocks in turn, before they are said to wait for ever
+constexpr unsigned kLooks = 64;  // rounds in which a block looks for what others write, before others run
+constexpr unsigned kMostTurns = 10000;  // of all blocks that look, before they are said to wait for ever
 
 std::vector<std::uint32_t> order_of_blocks(std::uint64_t count, std::mt19937& random) {
   std::vector<std::uint32_t> order(count);
@@ -23,18 +24,14 @@ std::vector<std::uint32_t> order_of_blocks(std::uint64_t count, std::mt19937& ra
   return order;
 }
 
-/// Until it is finished (true), or waits for another block.
+/// Until it is finished (true), or may wait for another block.
 bool run_on(Block& block, std::mt19937& random) {
-  for (;;) {
-    switch (block.run_round(random)) {
-      case Block::Progress::finished:
-        return true;
-      case Block::Progress::waiting:
-        return false;
-      case Block::Progress::advanced:
-        break;
-    }
+  for (unsigned looks = 0; looks < kLooks;) {
+    const Block::Progress progress = block.run_round(random);
+    if (progress == Block::Progress::finished) return true;
+    if (progress == Block::Progress::looked) ++looks;
   }
+  return false;
 }
 
 }  // namespace
@@ -51,15 +48,15 @@ void run_launch(const Launch& launch) {
     auto block = std::make_unique<Block>(launch, number);
     if (!run_on(*block, random)) waiting.push_back(std::move(block));
   }
-  std::size_t looks = 0;
+  std::size_t turns = 0;
   while (!waiting.empty()) {
     auto block = std::move(waiting.front());
     waiting.pop_front();
     if (run_on(*block, random)) {
-      looks = 0;
+      turns = 0;
       continue;
     }
-    if (++looks > kMostLooks * (waiting.size() + 1))
+    if (++turns > kMostTurns * (waiting.size() + 1))
       fault(block->unfinished(), "blocks wait for each other for ever");
     waiting.push_back(std::move(block));
   }

@@ -5,8 +5,8 @@
 
 namespace ptx {
 
-/// One block after the other, in an order that the seed and the launch's number give. A block all of whose
-/// threads wait for another block is set aside, and others run.
+/// One block after the other, in an order that the seed and the launch's number give. A block that seems
+/// to wait for another is set aside, and others run.
 void run_launch(const Launch& launch);
 
 }  // namespace ptx

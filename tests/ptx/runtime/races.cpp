@@ -1,6 +1,7 @@
 #include "tests/ptx/runtime/races.h"
 
 #include <algorithm>
+#include <utility>
 
 #include "tests/ptx/runtime/block.h"
 #include "tests/ptx/runtime/device_memory.h"

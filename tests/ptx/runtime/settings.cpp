@@ -12,13 +12,15 @@ std::uint64_t number(const char* name, std::uint64_t otherwise) {
 
 }  // namespace
 
-const Settings& settings() {
-  static const Settings chosen{static_cast<std::uint32_t>(number("PTX_SEED", 1)),
-                               number("PTX_RACES", 1) != 0,
-                               number("PTX_LATE_COPIES", 0) != 0,
-                               number("PTX_MEMORY_MB", 20000) << 20,
-                               number("PTX_FAIL_ALLOCATION", 0),
-                               number("PTX_REPORT", 0) != 0};
+Settings& settings() {
+  const char* known = std::getenv("PTX_KNOWN_RACES");
+  static Settings chosen{static_cast<std::uint32_t>(number("PTX_SEED", 1)),
+                         number("PTX_RACES", 1) != 0,
+                         number("PTX_LATE_COPIES", 0) != 0,
+                         number("PTX_MEMORY_MB", 20000) << 20,
+                         number("PTX_FAIL_ALLOCATION", 0),
+                         known != nullptr ? known : "",
+                         number("PTX_REPORT", 0) != 0};
   return chosen;
 }
 
