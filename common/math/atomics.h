@@ -48,6 +48,16 @@ PARLOC_HD T atomic_read(const T* at) {
 #endif
 }
 
+/// Where several write, and all the same.
+template <class T>
+PARLOC_HD void atomic_write(T* at, T value) {
+#if defined(__CUDA_ARCH__)
+  *static_cast<volatile T*>(at) = value;
+#else
+  __atomic_store_n(at, value, __ATOMIC_RELAXED);
+#endif
+}
+
 /// *at = max(*at, value).
 template <class T>
 PARLOC_HD void atomic_raise(T* at, T value) {
