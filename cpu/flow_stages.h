@@ -11,9 +11,8 @@ namespace parloc::cpu {
 struct FlowRoom {
   explicit FlowRoom(const FlowConfig&) {}
   template <class Space>
-  bool set_scan(const BeamTable& t, StepInputBuffer<Space>&) {
+  void set_scan(const BeamTable& t, StepInputBuffer<Space>&) {
     scan.set(t);
-    return false;
   }
   PaddedScan scan;
   BeamNotes notes;

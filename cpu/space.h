@@ -82,6 +82,8 @@ struct Space : FilterStages, FlowStages, SlamStages {
   static constexpr std::size_t kMostSkipBytes = std::size_t{128} << 20;
   /// A particle is given up as soon as it cannot win any more: its first beams should tell most.
   static constexpr bool kGivesUpEarly = true;
+  /// Cumulative weights are plain sums.
+  static constexpr bool kSumsInBlocks = false;
 };
 
 }  // namespace parloc::cpu

@@ -1,6 +1,7 @@
 #include "common/filter/kld.h"
 
 #include "common/math/atomics.h"
+#include "cuda/scan.h"
 #include "cuda/stages.h"
 
 namespace parloc::PARLOC_CUDA_NAMESPACE {
@@ -14,50 +15,61 @@ PARLOC_HD std::uint64_t earliness(std::uint64_t j) {
 /// All candidates that there can be, each into its bin.
 struct EnterCandidates {
   AdaptArgs args;
-  std::uint64_t* best;
+  std::uint64_t* enough;
   PARLOC_HD void operator()(const Thread& me) const {
-    if (me.first() == 0) *best = 0;
+    if (me.first() == 0) *enough = 0;
     if (args.state->resample == 0) return;
     const AdaptArgs a = with_input(args);
     for (std::size_t j = me.first(); j < a.rule.most; j += me.stride()) {
       const std::uint32_t slot = bin_find_or_make(a.bins, candidate_bin(a, static_cast<std::uint32_t>(j)));
-      atomic_raise(&a.bins.weight[slot], earliness(j));
+      const std::uint64_t mine = earliness(j);
+      if (atomic_read(&a.bins.weight[slot]) < mine) atomic_raise(&a.bins.weight[slot], mine);
       a.bins.slot_of[j] = slot;
     }
   }
 };
 
 /// 1 for a candidate that is the first in its bin.
-struct MarkFirst {
+struct IsFirst {
   AdaptArgs a;
-  std::uint64_t* first;
-  PARLOC_HD void operator()(const Thread& me) const {
-    const bool drawn = a.state->resample != 0;
-    for (std::size_t j = me.first(); j < a.rule.most; j += me.stride())
-      first[j] = drawn && a.bins.weight[a.bins.slot_of[j]] == earliness(j) ? 1 : 0;
+  PARLOC_HD std::uint64_t operator()(std::size_t j) const {
+    return a.state->resample != 0 && a.bins.weight[a.bins.slot_of[j]] == earliness(j) ? 1 : 0;
   }
 };
 
-/// The earliest candidate by which there are as many as its bins need.
+/// The earliest candidate by which there are as many as its bins need; the last block says how many that is.
+/// The bins are needed no more, and are emptied.
 struct FindEnough {
+  struct Shared {
+    bool last;
+  };
+  static constexpr int kPhases = 2;
   AdaptArgs args;
-  const std::uint64_t* first;  // running count
-  std::uint64_t* best;
-  PARLOC_HD void operator()(const Thread& me) const {
+  const std::uint64_t *first, *before;  // running count of the first ones, in blocks
+  std::uint64_t* enough;
+  std::uint32_t* arrived;
+  PARLOC_HD int join_phase() const { return 1; }
+  PARLOC_HD void operator()(const Thread& me, int phase, Shared&) const {
+    if (phase == 0)
+      search(me);
+    else if (me.thread == 0)
+      set_count();
+  }
+
+ private:
+  PARLOC_HD void search(const Thread& me) const {
+    const BinTable& t = args.bins;
+    for (std::size_t k = me.first(); k < *t.used_count; k += me.stride()) bin_clear(t, t.used[k]);
     if (args.state->resample == 0) return;
     const AdaptArgs a = with_input(args);
     for (std::size_t j = me.first(); j < a.rule.most; j += me.stride())
-      if (j + 1 >= kld_needed(a.rule, first[j])) atomic_raise(best, earliness(j));
+      if (j + 1 >= kld_needed(a.rule, before[j / kSumBlock] + first[j]) && atomic_read(enough) < earliness(j))
+        atomic_raise(enough, earliness(j));
   }
-};
-
-struct SetCount {
-  AdaptArgs a;
-  const std::uint64_t* best;
-  PARLOC_HD void operator()(const Thread& me) const {
-    if (me.first() != 0) return;
-    const std::uint64_t count = a.state->resample != 0 ? earliness(*best) + 1 : a.from.count();
-    *a.to.live = a.state->next_count = static_cast<std::uint32_t>(count);
+  PARLOC_HD void set_count() const {
+    const std::uint64_t count = args.state->resample != 0 ? earliness(*enough) + 1 : args.from.count();
+    *args.to.live = args.state->next_count = static_cast<std::uint32_t>(count);
+    *args.bins.used_count = 0;
   }
 };
 
@@ -66,13 +78,13 @@ struct SetCount {
 void FilterStages::adapt(const AdaptArgs& a, Queue& queue) {
   const unsigned blocks = blocks_for(a.rule.most);
   queue.scratch.first.reserve(a.rule.most);  // the same in all steps, and so done before one is recorded
-  std::uint64_t *const first = queue.scratch.first.data(), *const best = queue.scratch.best.data();
-  launch(EnterCandidates{a, best}, blocks, queue);
-  launch(MarkFirst{a, first}, blocks, queue);
-  inclusive_scan(first, first, a.rule.most, queue);
-  launch(FindEnough{a, first, best}, blocks, queue);
-  launch(SetCount{a, best}, 1, queue);
-  clear_used_bins(a.bins, a.rule.most, queue);
+  queue.scratch.enough.reserve(1);
+  std::uint64_t* const first = queue.scratch.first.data();
+  std::uint64_t* const before = queue.scratch.before.data();
+  std::uint64_t* const enough = queue.scratch.enough.data();
+  launch(EnterCandidates{a, enough}, blocks, queue);
+  scan_in_blocks(IsFirst{a}, a.rule.most, first, before, queue);
+  launch(FindEnough{a, first, before, enough, queue.scratch.arrived.data()}, blocks, queue);
 }
 
 }  // namespace parloc::PARLOC_CUDA_NAMESPACE

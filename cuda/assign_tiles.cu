@@ -1,3 +1,4 @@
+#include "cuda/scan.h"
 #include "cuda/slam_stages.h"
 
 namespace parloc::PARLOC_CUDA_NAMESPACE {
@@ -79,7 +80,7 @@ void SlamStages::find_new_tiles(const SlamArgs& args, const TileStore& store, Ne
   const std::size_t count = args.particles.capacity * args.maps.span.size();
   std::uint64_t* const need = places.need.data();
   launch(FlagNeeds{args.touched, args.maps.table, store.refs(), need, count}, blocks_for(count), queue);
-  inclusive_scan(need, need, count, queue);
+  inclusive_scan(need, count, queue);
   copy_up(places.needed.data(), need + count - 1, sizeof *need, queue);
 }
 
@@ -90,11 +91,10 @@ void SlamStages::assign_tiles(const SlamArgs& args, TileStore& store, NewTiles& 
   places.free.reserve(tiles);
   places.ids.reserve(needed);
   places.fresh.reserve(needed);
-  queue.reserve(tiles);
   std::uint64_t* const free = places.free.data();
   std::uint32_t* const ids = places.ids.data();
   launch(FlagFree{store.refs(), free, tiles}, blocks_for(tiles), queue);
-  inclusive_scan(free, free, tiles, queue);
+  inclusive_scan(free, tiles, queue);
   launch(ListFree{free, ids, tiles, needed}, blocks_for(tiles), queue);
   launch(AssignTiles{places.need.data(), ids, args.maps.table, store.refs(), store.freed(),
                      places.fresh.data(), count},

@@ -1,66 +1,62 @@
 #include "common/filter/beam_votes.h"
 
-#include "common/filter/trace_beam.h"
 #include "common/math/atomics.h"
+#include "cuda/casters.h"
 #include "cuda/stages.h"
 
 namespace parloc::PARLOC_CUDA_NAMESPACE {
 namespace {
 
-/// A thread asks a few voters about one hit, and adds up what they say in one go.
-struct Vote {
+/// class_conditional: a thread asks one voter about one hit, by rays.
+template <class Caster>
+struct AskForClass {
   WeightArgs args;
-  std::size_t voters_per_thread;
+  PARLOC_HD void operator()(const Thread& me) const {
+    const WeightArgs a = with_input(args);
+    const Beams& b = a.rays.beams;
+    const ClassConditionalBeam model{a.models.censored};
+    for (std::size_t work = me.first(); work < voters(a) * b.hits; work += me.stride()) {
+      const std::size_t m = work % b.hits, i = voter_slot(a, work / b.hits);
+      const float expected_m = Caster::expected_m(a.rays, ray_origin(a.rays, i), i, m);
+      const ClassVotes votes = class_votes(model, weight_before(a.rays.particles, i), b.range_m[m],
+                                           b.short_density[m], expected_m);
+      atomic_add(a.votes.map + m, static_cast<std::uint64_t>(votes.map));
+      atomic_add(a.votes.unmapped + m, static_cast<std::uint64_t>(votes.unmapped));
+    }
+  }
+};
+
+/// likelihood_field_prob: a thread asks some of all particles about one hit, and adds up what they say in one
+/// go.
+struct AskForAgreement {
+  static constexpr std::size_t kEach = 64;
+  WeightArgs args;
 
   PARLOC_HD void operator()(const Thread& me) const {
     const WeightArgs a = with_input(args);
-    const std::size_t hits = a.rays.beams.hits;
-    const std::size_t groups = (voters(a) + voters_per_thread - 1) / voters_per_thread;
+    const std::size_t hits = a.rays.beams.hits, groups = (voters(a) + kEach - 1) / kEach;
     for (std::size_t work = me.first(); work < groups * hits; work += me.stride()) {
-      const std::size_t m = work % hits, first = work / hits * voters_per_thread;
-      const std::size_t last = min_size(first + voters_per_thread, voters(a));
-      if (a.model == SensorModel::class_conditional)
-        ask_for_class(a, m, first, last);
-      else
-        ask_for_agreement(a, m, first, last);
+      const std::size_t m = work % hits, first = work / hits * kEach;
+      const std::size_t end = first + kEach < voters(a) ? first + kEach : voters(a);
+      atomic_add(a.votes.map + m, agreeing(a, m, first, end));
     }
   }
-  PARLOC_HD static std::size_t min_size(std::size_t x, std::size_t y) { return x < y ? x : y; }
-
-  PARLOC_HD static void ask_for_class(const WeightArgs& a, std::size_t m, std::size_t first,
-                                      std::size_t last) {
-    const Beams& b = a.rays.beams;
-    const ClassConditionalBeam model{a.models.censored};
-    std::uint64_t map = 0, unmapped = 0;
-    for (std::size_t k = first; k < last; ++k) {
-      const std::size_t i = voter_slot(a, k);
-      const float expected_m = a.rays.expected_m != nullptr ? a.rays.expected_m[i * b.count + m]
-                                                            : trace_beam(a.rays, ray_origin(a.rays, i), m);
-      const ClassVotes votes = class_votes(model, weight_before(a.rays.particles, i), b.range_m[m],
-                                           b.short_density[m], expected_m);
-      map += static_cast<std::uint64_t>(votes.map);
-      unmapped += static_cast<std::uint64_t>(votes.unmapped);
-    }
-    atomic_add(a.votes.map + m, map);
-    atomic_add(a.votes.unmapped + m, unmapped);
-  }
-
-  PARLOC_HD static void ask_for_agreement(const WeightArgs& a, std::size_t m, std::size_t first,
-                                          std::size_t last) {
+  PARLOC_HD static std::uint64_t agreeing(const WeightArgs& a, std::size_t m, std::size_t first,
+                                          std::size_t end) {
     const Particles& p = a.rays.particles;
     std::uint64_t votes = 0;
-    for (std::size_t i = first; i < last; ++i) {
+    for (std::size_t i = first; i < end; ++i) {
       const SinCos h = portable_sincos(p.theta[i]);
       const float u0 = p.x[i] * a.rays.map.inv_resolution, v0 = p.y[i] * a.rays.map.inv_resolution;
       votes += agrees(a, u0, v0, h, m) ? 1 : 0;
     }
-    atomic_add(a.votes.map + m, votes);
+    return votes;
   }
 };
 
 struct Decide {  // one block: shares from votes; leaves the votes zero
   struct Shared {
-    std::uint64_t skipped;
+    std::uint32_t skipped;
   };
   static constexpr int kPhases = 3;
   WeightArgs args;
@@ -73,7 +69,7 @@ struct Decide {  // one block: shares from votes; leaves the votes zero
     for (std::size_t m = me.thread; m < a.rays.beams.count; m += kThreads) {
       const float share = phase == 1 ? share_of_votes(a, m) : 1.0f;
       a.votes.share[m] = share;
-      if (share == 0.0f) atomic_add(&shared.skipped, 1);
+      if (phase == 1 && share == 0.0f) atomic_add(&shared.skipped, 1u);
       a.votes.map[m] = a.votes.unmapped[m] = 0;
     }
   }
@@ -83,10 +79,15 @@ struct Decide {  // one block: shares from votes; leaves the votes zero
 
 void FilterStages::beam_votes(const WeightArgs& args, Queue& queue) {
   constexpr std::size_t kUsualBeams = 128;  // more or fewer only change how often a thread comes round
-  const std::size_t per_thread = args.model == SensorModel::class_conditional ? 1 : 64;
   const std::size_t most = voters_of(args.model, args.rays.particles.capacity);
-  const std::size_t groups = (most + per_thread - 1) / per_thread;
-  launch(Vote{args, per_thread}, blocks_for(groups * kUsualBeams), queue);
+  if (args.model == SensorModel::class_conditional) {
+    with_caster(args.rays, [&](auto caster) {
+      launch(AskForClass<decltype(caster)>{args}, blocks_for(most * kUsualBeams), queue);
+    });
+  } else {
+    const std::size_t groups = (most + AskForAgreement::kEach - 1) / AskForAgreement::kEach;
+    launch(AskForAgreement{args}, blocks_for(groups * kUsualBeams), queue);
+  }
   launch(Decide{args}, 1, queue);
 }
 

@@ -19,10 +19,8 @@ struct CovarianceTerm {
 
 struct FinishMoments {
   CloudMomentsArgs args;
-  const double* sums;
   bool covariance;
-  PARLOC_HD void operator()(const Thread& me) const {
-    if (me.first() != 0) return;
+  PARLOC_HD void operator()(const double* sums) const {
     const double total = args.weighed != nullptr ? static_cast<double>(args.weighed->total)
                                                  : static_cast<double>(args.cloud.particles.count());
     if (covariance)
@@ -35,14 +33,11 @@ struct FinishMoments {
 }  // namespace
 
 void FlowStages::cloud_moments(const CloudMomentsArgs& args, Queue& queue) {
-  double* room = queue.scratch.sums.data();
   const Cloud& cloud = args.cloud;
   const Particles& p = cloud.particles;
-  const double* mean = block_sum<kCloudMeanSums>(p, MeanTerm{cloud}, room, queue);
-  launch(FinishMoments{args, mean, false}, 1, queue);
-  if (!args.covariance) return;
-  const double* sums = block_sum<kCloudCovarianceSums>(p, CovarianceTerm{cloud, args.state}, room, queue);
-  launch(FinishMoments{args, sums, true}, 1, queue);
+  block_sum<kCloudMeanSums>(p, MeanTerm{cloud}, FinishMoments{args, false}, queue);
+  if (args.covariance)
+    block_sum<kCloudCovarianceSums>(p, CovarianceTerm{cloud, args.state}, FinishMoments{args, true}, queue);
 }
 
 }  // namespace parloc::PARLOC_CUDA_NAMESPACE

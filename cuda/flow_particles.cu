@@ -37,15 +37,15 @@ struct FlowParticles {
       if (lane == 0) put(i, flow);
       return;
     }
-    if (!s.active[slot]) return;
     const int part = (phase - 1) % kSumPhases;
+    if (part + 1 == kSumPhases && lane > 0) return;  // before it reads what the first one writes
+    if (!s.active[slot]) return;
     if (part == 0) return sum_lane(field, scan, s.pose[slot], MeanTerms{}, lane, s.sums[slot]);
     if (part + 1 < kSumPhases) {
       const std::size_t offset = kBeamLanes >> part;
       if (lane < offset) s.sums[slot].fold(lane, offset);
       return;
     }
-    if (lane > 0) return;
     flow.take(finish_measurement(s.sums[slot].total(), static_cast<double>(scan.count()), field), rules,
               state->r_scale);
     ask(s, slot);

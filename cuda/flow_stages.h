@@ -63,10 +63,9 @@ class FlowRoom {
   }
   /// Returns whether its arrays moved.
   template <class Space>
-  bool set_scan(const BeamTable& t, StepInputBuffer<Space>& input) {
-    const bool moved = input.set_scan(t);
+  void set_scan(const BeamTable& t, StepInputBuffer<Space>& input) {
+    input.set_scan(t);
     arrays_ = input.beams();
-    return moved;
   }
   FlowScan scan(const FlowArgs& args) const { return {arrays_, args.input, keep.data(), kept.data()}; }
 

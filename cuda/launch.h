@@ -1,6 +1,8 @@
 // How every kernel is started. A kernel is a plain functor, called once per thread: kernel(thread). One whose
 // threads work together says `kPhases` (or `phases()`, where their number is a setting) and `Shared`, and is
 // called as kernel(thread, phase, shared) once per thread and phase, with a block barrier between the phases.
+// One whose blocks work together says `join_phase()`: from that phase on only the block runs that was the
+// last to get there, and sees what the others have written. That saves a kernel of one block behind it.
 // Compiled by nvcc it runs on the device; compiled as C++ the same body runs on the host over (block, phase,
 // thread), so that tests can hold it against the OpenMP twin without a GPU.
 #pragma once
@@ -37,11 +39,32 @@ PARLOC_HD int phases_of(const Kernel& kernel) {
     return kernel.phases();
 }
 
+/// A kernel whose last block goes on alone. It has `arrived`, which counts blocks: zero between kernels, and
+/// of a queue on which one kernel runs after the other. Its Shared has `bool last`.
+template <class Kernel>
+concept Joining = Phased<Kernel> && requires(const Kernel& kernel) {
+  kernel.join_phase();
+};
+
 inline unsigned blocks_for(std::size_t threads) {
   return static_cast<unsigned>(std::clamp<std::size_t>((threads + kThreads - 1) / kThreads, 1, kMaxBlocks));
 }
 
 #if defined(__CUDACC__)
+/// Whether this block is the last to come. What any thread of any block wrote before, all threads of the last
+/// one see behind it: a fence of one thread hands on all that the barrier has shown it.
+__device__ __forceinline__ bool is_last_to_arrive(std::uint32_t* arrived, bool& last) {
+  __syncthreads();
+  if (threadIdx.x == 0) {
+    __threadfence();
+    last = atomicAdd(arrived, 1u) + 1 == gridDim.x;
+    if (last) *arrived = 0;
+    __threadfence();
+  }
+  __syncthreads();
+  return last;
+}
+
 template <class Kernel>
 __global__ void __launch_bounds__(kThreads) run_kernel(const Kernel kernel) {
   const Thread me{blockIdx.x, threadIdx.x, gridDim.x};
@@ -49,7 +72,12 @@ __global__ void __launch_bounds__(kThreads) run_kernel(const Kernel kernel) {
     __shared__ typename Kernel::Shared shared;
     const int phases = phases_of(kernel);
     for (int phase = 0; phase < phases; ++phase) {
-      if (phase > 0) __syncthreads();
+      bool alone = false;
+      if constexpr (Joining<Kernel>) {
+        alone = phase == kernel.join_phase();
+        if (alone && !is_last_to_arrive(kernel.arrived, shared.last)) return;
+      }
+      if (phase > 0 && !alone) __syncthreads();
       kernel(me, phase, shared);
     }
   } else {
@@ -67,9 +95,15 @@ template <class Kernel>
 void run_block(const Kernel& kernel, unsigned block, unsigned blocks) {
   if constexpr (Phased<Kernel>) {
     typename Kernel::Shared shared;
-    for (int phase = 0; phase < phases_of(kernel); ++phase)
+    for (int phase = 0; phase < phases_of(kernel); ++phase) {
+      if constexpr (Joining<Kernel>)
+        if (phase == kernel.join_phase()) {
+          if (++*kernel.arrived < blocks) return;
+          *kernel.arrived = 0;
+        }
       for (unsigned thread = 0; thread < kThreads; ++thread)
         kernel(Thread{block, thread, blocks}, phase, shared);
+    }
   } else {
     for (unsigned thread = 0; thread < kThreads; ++thread) kernel(Thread{block, thread, blocks});
   }

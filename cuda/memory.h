@@ -14,9 +14,16 @@
 namespace parloc::PARLOC_CUDA_NAMESPACE {
 
 #if defined(__CUDACC__)
+/// Too little memory is not a defect of parloc: it says so in words.
+inline void check_memory(cudaError_t status, std::size_t bytes, const char* of) {
+  if (status != cudaErrorMemoryAllocation) return PARLOC_CHECK(status, "allocating memory");
+  (void)cudaGetLastError();
+  throw Error(ErrorKind::backend, "backend cuda: no " + std::to_string((bytes >> 20) + 1) + " MiB of " + of +
+                                      " left; use fewer particles, a coarser map or --backend cpu");
+}
 inline void* device_alloc(std::size_t bytes) {
   void* p = nullptr;
-  PARLOC_CHECK(cudaMalloc(&p, bytes), "allocating device memory");
+  check_memory(cudaMalloc(&p, bytes), bytes, "device memory");
   return p;
 }
 inline void device_free(void* p) {
@@ -25,7 +32,7 @@ inline void device_free(void* p) {
 /// Page-locked, so that copies from and to it are asynchronous and can be recorded.
 inline void* host_alloc(std::size_t bytes) {
   void* p = nullptr;
-  PARLOC_CHECK(cudaMallocHost(&p, bytes), "allocating page-locked memory");
+  check_memory(cudaMallocHost(&p, bytes), bytes, "page-locked memory");
   return p;
 }
 inline void host_free(void* p) {
@@ -71,16 +78,19 @@ template <class T, void* (*kAlloc)(std::size_t), void (*kFree)(void*)>
 class Buffer {
  public:
   Buffer() = default;
-  Buffer(const Buffer&) = delete;
-  Buffer& operator=(const Buffer&) = delete;
+  Buffer(Buffer&& other) noexcept { swap(other); }
+  Buffer& operator=(Buffer&& other) noexcept {
+    swap(other);
+    return *this;
+  }
   ~Buffer() { kFree(data_); }
-  /// Grows only: a buffer that is large enough is left alone. What it held is lost when it grows.
+  /// Grows only: a buffer that is large enough is left alone. What it held is lost when it grows; where there
+  /// is no memory, it throws and the buffer is as it was.
   void reserve(std::size_t size) {
     if (size <= size_) return;
+    T* const larger = static_cast<T*>(kAlloc(size * sizeof(T)));
     kFree(data_);
-    data_ = nullptr;
-    size_ = 0;
-    data_ = static_cast<T*>(kAlloc(size * sizeof(T)));
+    data_ = larger;
     size_ = size;
   }
   T* data() const { return data_; }
@@ -102,9 +112,12 @@ using HostBuffer = Buffer<T, host_alloc, host_free>;
 template <class T>
 class DeviceBuffer : public Buffer<T, device_alloc, device_free> {
  public:
+  /// Waits: the host's memory may go, or be written, at once.
   void from_host(const std::vector<T>& host, Stream s) {
     this->reserve(host.size());
-    if (!host.empty()) copy_down(this->data(), host.data(), host.size() * sizeof(T), s);
+    if (host.empty()) return;
+    copy_down(this->data(), host.data(), host.size() * sizeof(T), s);
+    synchronise(s);
   }
   std::vector<T> to_host(std::size_t count, Stream s, std::size_t first = 0) const {
     std::vector<T> host(count);
@@ -112,11 +125,8 @@ class DeviceBuffer : public Buffer<T, device_alloc, device_free> {
     synchronise(s);
     return host;
   }
-  /// As from_host, and waits: the host needs it no more.
-  void take(std::vector<T>&& host, Stream s) {
-    from_host(host, s);
-    synchronise(s);
-  }
+  /// As from_host, where the host needs it no more.
+  void take(std::vector<T>&& host, Stream s) { from_host(host, s); }
   /// As reserve, but what it held is kept.
   void grow(std::size_t size, Stream s) {
     if (size <= this->size()) return;

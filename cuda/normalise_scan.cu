@@ -1,94 +1,114 @@
 #include "common/filter/normalise.h"
 
 #include "cuda/block_sum.h"
+#include "cuda/largest_weight.h"
+#include "cuda/scan.h"
 #include "cuda/stages.h"
 
 namespace parloc::PARLOC_CUDA_NAMESPACE {
 namespace {
 
-/// A float as an integer of the same order, so that an integer maximum can be taken.
-PARLOC_HD std::uint32_t ordered(float x) {
-  const std::uint32_t b = bits_of(x);
-  return (b >> 31) != 0 ? ~b : b | 0x80000000u;
-}
-PARLOC_HD float from_ordered(std::uint32_t o) {
-  return float_of((o >> 31) != 0 ? o & 0x7fffffffu : ~o);
-}
-
-struct ClearMax {
-  StepState* state;
-  PARLOC_HD void operator()(const Thread& me) const {
-    if (me.first() == 0) state->best_slot = ordered(kNoWeight);  // holds the maximum until take_max
-  }
-};
-
-struct FindMax {
+/// Where weight has not just done it.
+struct FindLargest {
   struct Shared {
-    std::uint32_t most;
+    std::uint32_t largest;
+    bool last;
   };
-  static constexpr int kPhases = 3;
-  NormaliseArgs a;
+  static constexpr int kPhases = 4;
+  Particles particles;
+  LargestOfBlocks result;
+  std::uint32_t* arrived;
+  PARLOC_HD int join_phase() const { return 3; }
   PARLOC_HD void operator()(const Thread& me, int phase, Shared& s) const {
-    if (phase == 0 && me.thread == 0) s.most = ordered(kNoWeight);
+    if (phase == 0 && me.thread == 0) s.largest = LargestWeight::kNone;
     if (phase == 1) {
-      float most = kNoWeight;
-      for (std::size_t i = me.first(); i < a.particles.count(); i += me.stride())
-        most = max_of(valid_log_weight(a.particles.log_weight[i]), most);
-      atomic_raise(&s.most, ordered(most));
+      float largest = kNoWeight;
+      for (std::size_t i = me.first(); i < particles.count(); i += me.stride())
+        largest = max_of(valid_log_weight(particles.log_weight[i]), largest);
+      atomic_raise(&s.largest, ordered(largest));
     }
-    if (phase == 2 && me.thread == 0) atomic_raise(&a.state->best_slot, s.most);
+    if (phase == 2 && me.thread == 0) result.enter(s.largest);
+    if (phase == 3 && me.thread == 0) result.take();
   }
 };
 
-struct TakeMax {
-  StepState* state;
-  PARLOC_HD void operator()(const Thread& me) const {
-    if (me.first() != 0) return;
-    state->max_log_weight = from_ordered(state->best_slot);
-    state->degenerate = state->max_log_weight == kNoWeight ? 1 : 0;
-  }
-};
-
-struct Normalise {
+/// Weights, their running sums and those of their squares, 1024 to a block; the last block decides.
+struct NormaliseScan {
+  struct Shared {
+    BlockScan scan;
+    SumRoom<1> squares;
+    bool last;
+  };
+  static constexpr int kSteps = ScanRoom::kSteps;
+  static_assert(kSteps == SumRoom<1>::kHalvings);
+  static constexpr int kJoin = 4 + kSteps;
   NormaliseArgs a;
   int bits;
-  PARLOC_HD void operator()(const Thread& me) const {
-    const StepState now = *a.state;
-    const std::size_t count = a.particles.count();
-    for (std::size_t i = me.first(); i < a.particles.capacity; i += me.stride())  // the scan reads them all
-      a.weights.weight[i] = i < count ? normalise_one(a.particles.log_weight[i], now, bits) : 0;
-  }
-};
+  const LargestWeight* largest;
+  UpperSums<1> upper;
+  std::uint32_t* arrived;
 
-struct SquareTerm {
-  const std::uint64_t* weight;
-  PARLOC_HD SumVector<1> operator()(std::size_t i) const {
-    const double q = static_cast<double>(weight[i]);
-    return {{q * q}};
+  PARLOC_HD int join_phase() const { return kJoin; }
+  PARLOC_HD int phases() const { return kJoin + ScanTotals::kPhases + upper.phases() + 1; }
+  PARLOC_HD void operator()(const Thread& me, int phase, Shared& s) const {
+    const unsigned t = me.thread;
+    if (phase == 0) return weigh(me, s);
+    if (phase == 1) return s.scan.add_up(t);
+    if (phase < 2 + kSteps) {
+      s.scan.room.step(t, phase - 2);
+      return s.squares.halve(t, phase - 2);
+    }
+    if (phase == 2 + kSteps) {
+      s.scan.run_on(t);
+      return s.squares.store(t, upper.sums + me.block);
+    }
+    if (phase < kJoin) return write_sums(me, s);
+    const int rest = phase - kJoin;
+    if (rest < ScanTotals::kPhases) return ScanTotals{a.weights.before, upper.blocks}(t, rest, s.scan.room);
+    if (phase + 1 < phases()) return upper(t, rest - ScanTotals::kPhases, s.squares);
+    if (t == 0) decide(s.scan.room.total());
   }
-};
 
-struct Decide {
-  NormaliseArgs a;
-  const double* squares;
-  PARLOC_HD void operator()(const Thread& me) const {
-    if (me.first() != 0) return;
-    finish_normalising(a, a.weights.cumulative[a.particles.count() - 1], *squares);
+ private:
+  PARLOC_HD void weigh(const Thread& me, Shared& s) const {
+    StepState now{};
+    now.max_log_weight = largest->log_weight;
+    now.degenerate = now.max_log_weight == kNoWeight ? 1 : 0;
+    const std::size_t first = std::size_t{me.block} * kSumBlock, count = a.particles.count();
+    double squares = 0.0;
+    for (std::size_t k = me.thread; k < kSumBlock; k += kThreads) {
+      const std::size_t i = first + k;
+      const std::uint64_t q = i < count ? normalise_one(a.particles.log_weight[i], now, bits) : 0;
+      if (i < a.particles.capacity) a.weights.weight[i] = q;  // those that do not count are read, too
+      s.scan.value[k] = q;
+      const double weight = static_cast<double>(q);
+      squares += weight * weight;
+    }
+    s.squares.lane[0][me.thread] = squares;
+  }
+  PARLOC_HD void write_sums(const Thread& me, const Shared& s) const {
+    const std::size_t first = std::size_t{me.block} * kSumBlock;
+    for (std::size_t k = me.thread; k < kSumBlock && first + k < a.particles.capacity; k += kThreads)
+      a.weights.cumulative[first + k] = s.scan.value[k];
+    if (me.thread == 0) a.weights.before[me.block] = s.scan.room.total();
+  }
+  PARLOC_HD void decide(std::uint64_t total) const {
+    a.state->max_log_weight = largest->log_weight;
+    a.state->degenerate = largest->log_weight == kNoWeight ? 1 : 0;
+    finish_normalising(a, total, *upper.result());
   }
 };
 
 }  // namespace
 
 void FilterStages::normalise_scan(const NormaliseArgs& a, Queue& queue) {
-  const std::size_t count = a.particles.capacity;
-  launch(ClearMax{a.state}, 1, queue);
-  launch(FindMax{a}, std::min(blocks_for(count), 1024u), queue);
-  launch(TakeMax{a.state}, 1, queue);
-  launch(Normalise{a, weight_bits(count)}, blocks_for(count), queue);
-  inclusive_scan(a.weights.weight, a.weights.cumulative, count, queue);
-  const double* squares =
-      block_sum<1>(a.particles, SquareTerm{a.weights.weight}, queue.scratch.sums.data(), queue);
-  launch(Decide{a, squares}, 1, queue);
+  const std::size_t count = a.particles.capacity, blocks = sum_blocks(count);
+  LargestWeight* const largest = queue.scratch.largest.data();
+  std::uint32_t* const arrived = queue.scratch.arrived.data();
+  if (!a.just_weighed)
+    launch(FindLargest{a.particles, {largest}, arrived}, std::min(blocks_for(count), 1024u), queue);
+  launch(NormaliseScan{a, weight_bits(count), largest, {queue.scratch.sums.data(), blocks}, arrived},
+         static_cast<unsigned>(blocks), queue);
 }
 
 }  // namespace parloc::PARLOC_CUDA_NAMESPACE

@@ -10,13 +10,26 @@
 
 namespace parloc::PARLOC_CUDA_NAMESPACE {
 
+/// The largest log-weight: as it is found, in the order of unsigned integers, and then for who asks.
+struct LargestWeight {
+  static constexpr std::uint32_t kNone = 0x007fffffu;  // -inf
+  std::uint32_t so_far = kNone;                        // kNone between kernels
+  float log_weight = 0.0f;
+};
+
+/// Blocks that look for the heaviest cluster.
+constexpr unsigned kHeaviestBlocks = 128;
+
 /// Of the collective stages, sized once for a particle count.
 struct Scratch {
   DeviceBuffer<double> sums;
-  DeviceBuffer<std::uint64_t> best;  // [2] heaviest weight, its smallest key
+  DeviceBuffer<std::uint64_t> before;   // what comes before each block of a scan
+  DeviceBuffer<std::uint32_t> arrived;  // [1] Blocks that are done; zero between kernels
+  DeviceBuffer<LargestWeight> largest;  // [1]
   DeviceBuffer<std::uint64_t>
-      first;                         // adapt: running count of the candidates that are the first in their bin
-  DeviceBuffer<unsigned char> scan;  // CUB's
+      heaviest;                        // [kHeaviestBlocks][2] weight, key; and [1] the weight of the heaviest
+  DeviceBuffer<std::uint64_t> first;   // adapt: [N] candidates that are the first in their bin, ...
+  DeviceBuffer<std::uint64_t> enough;  // ... and [1] the earliest by which there are enough
 };
 
 class Queue {
@@ -43,8 +56,5 @@ class Queue {
   std::string device_name_;
   Stream stream_{};
 };
-
-/// out[i] = in[0] + ... + in[i]; in == out is allowed.
-void inclusive_scan(const std::uint64_t* in, std::uint64_t* out, std::size_t count, Queue& queue);
 
 }  // namespace parloc::PARLOC_CUDA_NAMESPACE

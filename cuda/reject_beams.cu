@@ -8,13 +8,12 @@ namespace {
 /// by counting; counts do not depend on the order of threads.
 struct RejectBeams {
   struct Shared {
-    std::uint64_t below;
-    std::uint32_t found;
+    std::uint32_t below, found, kept;
     float middle, deviation;
   };
   static constexpr int kBits = 31;
   static constexpr int kMedianPhases = 2 * kBits;
-  static constexpr int kPhases = 1 + kMedianPhases + 1 + kMedianPhases + 2;
+  static constexpr int kPhases = 1 + kMedianPhases + 1 + kMedianPhases + 3;
   DistanceField field;
   FlowRules rules;
   FlowScan scan;
@@ -37,11 +36,12 @@ struct RejectBeams {
     }
     if (phase <= 2 * kMedianPhases + 1)
       return search(me, phase - kMedianPhases - 2, distance_of(s.middle, true), s);
-    if (phase + 1 < kPhases) {
-      if (me.thread == 0) s.deviation = float_of(s.found), s.below = 0;
+    if (phase + 2 < kPhases) {
+      if (me.thread == 0) s.deviation = float_of(s.found);
       return;
     }
-    decide(me, s);
+    if (phase + 1 < kPhases) return decide(me, s);
+    if (me.thread == 0) *kept = static_cast<float>(s.kept);
   }
 
  private:
@@ -57,7 +57,7 @@ struct RejectBeams {
   PARLOC_HD Value distance_of(float middle, bool off) const { return {distance, middle, off}; }
 
   PARLOC_HD void look_up_all(const Thread& me, Shared& s) const {
-    if (me.thread == 0) s.below = 0, s.found = 0, *kept = 0.0f;
+    if (me.thread == 0) s.below = s.found = s.kept = 0;
     const ScanPose pose = scan_pose(state->prior.mean, field);
     const Beams& b = scan.beams;
     for (std::size_t m = me.thread; m < scan.hits(); m += kThreads)
@@ -65,24 +65,27 @@ struct RejectBeams {
   }
   /// Whether the median has the bit: as many as half are below the number that does.
   PARLOC_HD void search(const Thread& me, int phase, const Value& value, Shared& s) const {
-    const std::uint32_t candidate = s.found | (1u << (kBits - 1 - phase / 2));
     if (phase % 2 == 0) {
-      std::uint64_t below = 0;
+      const std::uint32_t candidate = with_bit(s.found, phase);
+      std::uint32_t below = 0;
       for (std::size_t m = me.thread; m < scan.hits(); m += kThreads) below += value(m) < candidate ? 1 : 0;
-      atomic_add(&s.below, below);
+      if (below > 0) atomic_add(&s.below, below);
     } else if (me.thread == 0) {
-      if (s.below <= (scan.hits() - 1) / 2) s.found = candidate;
+      if (s.below <= (scan.hits() - 1) / 2) s.found = with_bit(s.found, phase);
       s.below = 0;
     }
   }
+  PARLOC_HD static std::uint32_t with_bit(std::uint32_t found, int phase) {
+    return found | (1u << (kBits - 1 - phase / 2));
+  }
   PARLOC_HD void decide(const Thread& me, Shared& s) const {
-    if (me.thread > 0) return;
-    float count = 0.0f;
-    for (std::size_t m = 0; m < scan.hits(); ++m) {
-      keep[m] = is_usual(distance[m], s.middle, s.deviation, rules.z_score) ? 1.0f : 0.0f;
-      count += keep[m];
+    std::uint32_t count = 0;
+    for (std::size_t m = me.thread; m < scan.hits(); m += kThreads) {
+      const bool usual = is_usual(distance[m], s.middle, s.deviation, rules.z_score);
+      keep[m] = usual ? 1.0f : 0.0f;
+      count += usual ? 1 : 0;
     }
-    *kept = count;
+    if (count > 0) atomic_add(&s.kept, count);
   }
 };
 

@@ -1,5 +1,6 @@
 #include "common/filter/resampling.h"
 
+#include "cuda/scan.h"
 #include "cuda/stages.h"
 
 namespace parloc::PARLOC_CUDA_NAMESPACE {
@@ -38,8 +39,8 @@ void FilterStages::resample(const ResampleArgs& a, Queue& queue) {
   if (a.scheme == ResampleScheme::residual) {
     const std::size_t most = a.from.capacity;
     launch(ResidualCounts{a}, blocks_for(most), queue);
-    inclusive_scan(a.offspring_sum, a.offspring_sum, most, queue);
-    inclusive_scan(a.remainder_sum, a.remainder_sum, most, queue);
+    inclusive_scan(a.offspring_sum, most, queue);
+    inclusive_scan(a.remainder_sum, most, queue);
   }
   launch(Gather{a}, blocks_for(a.to.capacity), queue);
 }

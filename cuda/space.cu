@@ -1,9 +1,5 @@
 #include "cuda/space.h"
 
-#if defined(__CUDACC__)
-#include <cub/device/device_scan.cuh>
-#endif
-
 #include "common/filter/filter_backend.h"
 #include "common/math/block_sum.h"
 
@@ -35,33 +31,15 @@ std::string usable_device(int) {
 Queue::Queue(int device) : device_(device), device_name_(usable_device(device)) {
   use();  // before anything is allocated
   stream_ = make_stream();
+  scratch.arrived.from_host({0}, stream_);
+  scratch.largest.from_host({LargestWeight{}}, stream_);
+  scratch.heaviest.reserve(2 * kHeaviestBlocks + 1);
 }
 
 void Queue::reserve(std::size_t particles) {
   const std::size_t blocks = sum_blocks(particles);
   scratch.sums.reserve((blocks + sum_blocks(blocks) + 3) * 12);  // the widest sum has 12 terms
-  scratch.best.reserve(2);
-#if defined(__CUDACC__)
-  std::size_t bytes = 0;
-  std::uint64_t* none = nullptr;
-  PARLOC_CHECK(cub::DeviceScan::InclusiveSum(nullptr, bytes, none, none, static_cast<int>(particles)),
-               "sizing the scan");
-  scratch.scan.reserve(bytes > 0 ? bytes : 1);
-#endif
-}
-
-void inclusive_scan(const std::uint64_t* in, std::uint64_t* out, std::size_t count, Queue& queue) {
-#if defined(__CUDACC__)
-  std::size_t bytes = queue.scratch.scan.size();
-  PARLOC_CHECK(cub::DeviceScan::InclusiveSum(queue.scratch.scan.data(), bytes, in, out,
-                                             static_cast<int>(count), Stream(queue)),
-               "scanning weights");
-#else
-  submit(queue, [=] {
-    std::uint64_t sum = 0;
-    for (std::size_t i = 0; i < count; ++i) out[i] = (sum += in[i]);
-  });
-#endif
+  scratch.before.reserve(blocks);
 }
 
 }  // namespace PARLOC_CUDA_NAMESPACE

@@ -53,15 +53,15 @@ struct UpdateMean {
       if (lane == 0) work->update.end(*state, *move);
       return;
     }
-    if (!work->active) return;
     const int part = (phase - 1) % kSumPhases;
+    if (part + 1 == kSumPhases && lane > 0) return;  // before it reads what the first one writes
+    if (!work->active) return;
     if (part == 0) return sum_lane(field, scan, work->pose, terms, lane, s.sums);
     if (part + 1 < kSumPhases) {
       const std::size_t offset = kBeamLanes >> part;
       if (lane < offset) s.sums.fold(lane, offset);
       return;
     }
-    if (lane > 0) return;
     work->update.take(s.sums.total(), static_cast<double>(scan.count()), field, rules, *state);
     ask();
   }

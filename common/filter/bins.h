@@ -100,6 +100,12 @@ PARLOC_HD std::uint32_t bin_root(const BinTable& t, std::uint32_t slot) {
   }
 }
 
+/// The same once all are joined: nobody writes any more, so caches may serve it.
+PARLOC_HD std::uint32_t bin_settled_root(const BinTable& t, std::uint32_t slot) {
+  while (t.parent[slot] != slot) slot = t.parent[slot];
+  return slot;
+}
+
 /// Joins two clusters under the root with the smaller key.
 PARLOC_HD void bin_join(const BinTable& t, std::uint32_t a, std::uint32_t b) {
   for (;;) {

@@ -79,7 +79,7 @@ PARLOC_HD std::uint64_t kld_bin(const KldRule& rule, const GridPose& p) {
 PARLOC_HD std::uint64_t candidate_bin(const AdaptArgs& a, std::uint32_t j) {
   if (is_injected(a.free, a.state->inject, j, a.key)) return kld_bin(a.rule, injected_pose(a.free, j, a.key));
   const std::uint64_t r = word64(philox(j, a.key.step, Stream::kld, 0, a.key.seed));
-  const std::uint32_t i = first_above(a.weights.cumulative, a.from.count(), multiply_high(r, a.state->total));
+  const std::uint32_t i = first_above(a.weights, a.from.count(), multiply_high(r, a.state->total));
   return kld_bin(a.rule, {a.from.x[i], a.from.y[i], a.from.theta[i]});
 }
 

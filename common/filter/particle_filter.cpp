@@ -116,8 +116,8 @@ bool ParticleFilter::State::take_in(const Scan& scan, std::size_t lidar) {
   double farthest_m = 0.0;
   for (const LidarState& l : lidars) farthest_m = std::max(farthest_m, l.range_max_m);
   if (farthest_m != range_max_m) {
+    backend->set_range_max(farthest_m);
     range_max_m = farthest_m;
-    backend->set_range_max(range_max_m);
   }
   return true;
 }

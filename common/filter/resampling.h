@@ -23,11 +23,26 @@ PARLOC_HD std::uint32_t first_above(const std::uint64_t* cumulative, std::size_t
   return static_cast<std::uint32_t>(low);
 }
 
+/// The same of weights whose sums may be in two levels: first the block, then the place in it.
+PARLOC_HD std::uint32_t first_above(const Weights& w, std::size_t count, std::uint64_t threshold) {
+  if (w.before == nullptr) return first_above(w.cumulative, count, threshold);
+  std::size_t block = 0, end = sum_blocks(count);  // the last block that starts at or below the threshold
+  while (end - block > 1) {
+    const std::size_t middle = (block + end) / 2;
+    if (w.before[middle] > threshold)
+      end = middle;
+    else
+      block = middle;
+  }
+  const std::size_t first = block * kSumBlock, rest = count - first;
+  return static_cast<std::uint32_t>(first) +
+         first_above(w.cumulative + first, rest < kSumBlock ? rest : kSumBlock, threshold - w.before[block]);
+}
+
 /// The same by the paper's linear search (Paz et al. 2012, slides): the reference of the bisection.
-PARLOC_HD std::uint32_t first_above_linear(const std::uint64_t* cumulative, std::size_t count,
-                                           std::uint64_t threshold) {
+PARLOC_HD std::uint32_t first_above_linear(const Weights& w, std::size_t count, std::uint64_t threshold) {
   std::size_t i = 0;
-  while (i + 1 < count && cumulative[i] <= threshold) ++i;
+  while (i + 1 < count && w.sum_to(i) <= threshold) ++i;
   return static_cast<std::uint32_t>(i);
 }
 
@@ -95,9 +110,8 @@ PARLOC_HD std::uint32_t ancestor_of(const ResampleArgs& a, std::uint64_t j) {
     return first_above(a.remainder_sum, n, multiply_high(v, left));
   }
   const std::uint64_t threshold = draw_threshold(a.scheme, j, a.to.count(), a.state->total, a.key);
-  return a.scheme == ResampleScheme::multinomial_linear
-             ? first_above_linear(a.weights.cumulative, n, threshold)
-             : first_above(a.weights.cumulative, n, threshold);
+  return a.scheme == ResampleScheme::multinomial_linear ? first_above_linear(a.weights, n, threshold)
+                                                        : first_above(a.weights, n, threshold);
 }
 
 /// Fills one slot of the other buffer.

@@ -31,6 +31,7 @@
 #include "common/filter/bins.h"
 #include "common/filter/filter_config.h"
 #include "common/map/rays/ray_cast.h"
+#include "common/math/block_sum.h"
 #include "common/model/beam_skip.h"
 #include "common/model/likelihood_field.h"
 #include "common/model/motion.h"
@@ -157,7 +158,12 @@ struct StepState {
 /// Fixed-point weights of a particle set.
 struct Weights {
   std::uint64_t* weight = nullptr;      ///< [N] round(exp(log_weight - max) 2^S)
-  std::uint64_t* cumulative = nullptr;  ///< [N] inclusive sum
+  std::uint64_t* cumulative = nullptr;  ///< [N] inclusive sum; where `before` is given, of its block alone
+  std::uint64_t* before = nullptr;      ///< [N / kSumBlock, rounded up] Sum of all blocks before; or null.
+
+  PARLOC_HD std::uint64_t sum_to(std::size_t i) const {
+    return before == nullptr ? cumulative[i] : before[i / kSumBlock] + cumulative[i];
+  }
 };
 
 /// Rates of the running means as logarithms: of what a scan adds, and of what is kept.
@@ -176,6 +182,7 @@ struct NormaliseArgs {
   StepState* state = nullptr;
   RecoveryRates recovery;
   const StepInput* input = nullptr;
+  bool just_weighed = false;  ///< The stage before this one was weight, of the same particles.
 };
 
 struct EstimateArgs {

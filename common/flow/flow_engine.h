@@ -28,15 +28,17 @@ class FlowEngine final : public FlowBackend {
 
   void set_map(const GridMap& map) override {
     queue_.use();
-    recordings_.forget();  // they know the old map's place
     Array<std::uint8_t> occupied;
     Array<std::uint32_t> squared;
     occupied.take(blocking_cells(map, false), queue_);
     squared.reserve(map.size());
     Space::squared_distance_field(occupied.data(), map.width, map.height, squared.data(), queue_);
-    table_.reserve(distance_table_size(map.width, map.height));
-    Space::distance_table(squared.data(), map.width, map.height, table_.data(), queue_);
-    queue_.wait();  // before what it is made of goes
+    Array<DistancePair> table;  // beside the old one, which stays if there is no memory for this
+    table.reserve(distance_table_size(map.width, map.height));
+    Space::distance_table(squared.data(), map.width, map.height, table.data(), queue_);
+    queue_.wait();         // before what it is made of goes
+    recordings_.forget();  // they know the old table's place
+    table_.swap(table);
     const FlowRules rules = bind_flow_rules(config_.flow, config_.method, map.resolution_m);
     args_ = FlowArgs{.field = {{table_.data(), map.width, map.height},
                                rules.interpolation,
@@ -64,8 +66,9 @@ class FlowEngine final : public FlowBackend {
   const FlowState& step(const MotionStep& motion, RandomKey key, const BeamTable* scan) override {
     static const BeamTable nothing;
     queue_.use();
-    if (room_.set_scan(scan != nullptr ? *scan : nothing, input_))
-      recordings_.forget();  // they know the arrays' old place
+    const BeamTable& beams = scan != nullptr ? *scan : nothing;
+    if (!input_.has_room_for(beams)) recordings_.forget();  // they know the arrays' old place
+    room_.set_scan(beams, input_);
     StepInput& input = input_.host();
     input.motion = motion;
     input.key = key;
@@ -115,7 +118,7 @@ class FlowEngine final : public FlowBackend {
     StepState* const weighed = weights_state_.there();
     update_gaussian();
     Space::flow_particles(args_, room_, queue_);
-    cloud_.normalise(input_.input(), weighed, {}, queue_);
+    cloud_.normalise(input_.input(), weighed, {}, false, queue_);
     Space::cloud_moments({.cloud = {cloud_.now(), cloud_.weights().weight},
                           .weighed = weighed,
                           .covariance = true,

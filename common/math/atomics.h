@@ -48,15 +48,32 @@ PARLOC_HD T atomic_read(const T* at) {
 #endif
 }
 
+/// Where several write, and all the same.
+template <class T>
+PARLOC_HD void atomic_write(T* at, T value) {
+#if defined(__CUDA_ARCH__)
+  *static_cast<volatile T*>(at) = value;
+#else
+  __atomic_store_n(at, value, __ATOMIC_RELAXED);
+#endif
+}
+
 /// *at = max(*at, value).
 template <class T>
 PARLOC_HD void atomic_raise(T* at, T value) {
+#if defined(__CUDA_ARCH__)
+  if constexpr (sizeof(T) == 8)
+    atomicMax(reinterpret_cast<unsigned long long*>(at), static_cast<unsigned long long>(value));
+  else
+    atomicMax(at, value);
+#else
   T seen = atomic_read(at);
   while (seen < value) {
     const T before = atomic_swap_if(at, seen, value);
     if (before == seen) return;
     seen = before;
   }
+#endif
 }
 
 }  // namespace parloc

@@ -141,7 +141,7 @@ class SlamEngine final : public SlamBackend {
   }
 
   void resample() {
-    cloud_.normalise(input_.input(), state_.there(), {}, queue_);
+    cloud_.normalise(input_.input(), state_.there(), {}, false, queue_);
     cloud_.resample(input_.input(), state_.there(), {}, queue_);
     cloud_.take_turns();
     state_.fetch(queue_);

@@ -6,6 +6,7 @@
 #include <bit>
 #include <cstdint>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "common/error.h"
@@ -66,8 +67,10 @@ class FilterEngine final : public FilterBackend {
 
   void set_map(const GridMap& map) override {
     run_planned();
+    MapTables<Space> tables;  // beside the old ones, which stay if there is no memory for these
+    tables.set_map(map, config_.sensor, config_.injects(), queue_);
     recordings_.forget();  // they know the old map's place
-    tables_.set_map(map, config_.sensor, config_.injects(), queue_);
+    tables_ = std::move(tables);
   }
   void set_range_max(double range_max_m) override {
     if (casts()) return;
@@ -100,7 +103,8 @@ class FilterEngine final : public FilterBackend {
     input.models = bind_ray_models(config_.sensor, t.range_max_m);
     input.tempering = bind_tempering(config_.sensor, t);
     input.scan_worth = bind_scan_worth(config_.sensor, t);
-    if (input_.set_scan(t)) recordings_.forget();  // they know the arrays' old place
+    if (!input_.has_room_for(t)) recordings_.forget();  // they know the arrays' old place
+    input_.set_scan(t);
     if (Space::kGivesUpEarly && casts()) scatter_beams(t, scattered_);
   }
 
@@ -114,8 +118,8 @@ class FilterEngine final : public FilterBackend {
 
   void weight(bool fused) override {
     const bool stored = !fused && casts();
+    if (stored) reserve_expected();  // before it is planned: there may be no memory for it
     plan(stored ? kWeightUnfused : kWeight);
-    if (stored) reserve_expected();
   }
   void normalise_scan() override { plan(kNormalise); }
   void estimate() override { plan(kEstimate); }
@@ -178,15 +182,15 @@ class FilterEngine final : public FilterBackend {
 
   void run_planned() {
     queue_.use();
-    if (planned_ == 0) return;
-    recordings_.run(planned_ + 2 * kResample * cloud_.turn(), queue_, [this] { start_stages(); });
+    const unsigned planned = std::exchange(planned_, 0u);  // whatever comes of it, it is not tried again
+    if (planned == 0) return;
+    recordings_.run(planned + 2 * kResample * cloud_.turn(), queue_, [=, this] { start_stages(planned); });
     queue_.wait();
     weighed_count_ = state_.host()->count;
-    if ((planned_ & kResample) != 0) {
+    if ((planned & kResample) != 0) {
       cloud_.take_turns();
       now_count_ = state_.host()->next_count;
     }
-    planned_ = 0;
   }
 
   /// So many particles are in the arrays; there has been no step.
@@ -199,14 +203,16 @@ class FilterEngine final : public FilterBackend {
   }
 
   /// Everything that differs from the last such step is in input_, so this may be recorded.
-  void start_stages() {
-    const auto asked = [this](unsigned stages) { return (planned_ & stages) != 0; };
+  void start_stages(unsigned planned) {
+    const auto asked = [planned](unsigned stages) { return (planned & stages) != 0; };
     StepState* const state = state_.there();
     input_.send(queue_);
     if (asked(kPredict)) Space::predict({cloud_.now(), input_.input()}, queue_);
     if (asked(kWeightUnfused)) trace();
     if (asked(kWeight | kWeightUnfused)) weigh(asked(kWeightUnfused));
-    if (asked(kNormalise)) cloud_.normalise(input_.input(), state, bind_recovery(config_.recovery), queue_);
+    const bool weighed = asked(kWeight | kWeightUnfused);
+    if (asked(kNormalise))
+      cloud_.normalise(input_.input(), state, bind_recovery(config_.recovery), weighed, queue_);
     if (asked(kEstimate)) Space::estimate({cloud_.now(), cloud_.weights(), bins_.view(), state}, queue_);
     if (asked(kAdapt)) choose_number();
     if (asked(kResample)) cloud_.resample(input_.input(), state, tables_.free_space(), queue_);

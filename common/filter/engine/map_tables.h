@@ -19,6 +19,7 @@ class MapTables {
 
   void set_map(const GridMap& map, const SensorConfig& sensor, bool injects, Queue& queue) {
     map_ = map;
+    if (!casts_rays(sensor.model)) field_.reserve(table_size(map.width, map.height));
     if (injects) {
       std::vector<std::uint32_t> cells = free_cells(map);
       free_count_ = cells.size();
@@ -40,7 +41,6 @@ class MapTables {
     const DistanceLikelihood likelihood = bind_distance(sensor, map_.resolution_m, range_max_m);
     const bool changes = likelihood.unit_nat() != field_unit_nat_;
     field_unit_nat_ = likelihood.unit_nat();
-    field_.reserve(table_size(map_.width, map_.height));
     Space::likelihood_table(squared_distance_.data(), map_.width, map_.height, likelihood, field_.data(),
                             queue);
     return changes;

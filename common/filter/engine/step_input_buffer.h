@@ -18,14 +18,13 @@ class StepInputBuffer {
   /// In the backend's space, as send() brought it there.
   const StepInput* input() const { return reinterpret_cast<const StepInput*>(memory_.there()); }
 
-  /// Returns whether the arrays moved.
-  bool set_scan(const BeamTable& t) {
-    const bool moves = t.count > capacity_;
-    if (moves) grow(t.count);
+  /// Whether the arrays stay where they are when this scan is set.
+  bool has_room_for(const BeamTable& t) const { return t.count <= capacity_; }
+  void set_scan(const BeamTable& t) {
+    if (!has_room_for(t)) grow(t.count);
     host().scan = t;
     for (std::size_t k = 0; k < kBeamArrays.size(); ++k)
       std::copy((t.*kBeamArrays[k]).begin(), (t.*kBeamArrays[k]).end(), array(memory_.host(), k));
-    return moves;
   }
 
   void send(typename Space::Queue& queue) { memory_.send(queue); }
@@ -42,8 +41,9 @@ class StepInputBuffer {
   }
   void grow(std::size_t beams) {
     const StepInput kept = memory_.size() == 0 ? StepInput{} : host();
-    capacity_ = (beams + 15) / 16 * 16;  // whole vectors
-    memory_.reserve(sizeof(StepInput) + kBeamArrays.size() * capacity_ * sizeof(float));
+    const std::size_t capacity = (beams + 15) / 16 * 16;  // whole vectors
+    memory_.reserve(sizeof(StepInput) + kBeamArrays.size() * capacity * sizeof(float));
+    capacity_ = capacity;
     std::fill_n(memory_.host(), memory_.size(), static_cast<unsigned char>(0));
     host() = kept;
   }

@@ -24,6 +24,7 @@ class WeightedCloud {
     poses_[0].reserve(capacity);
     poses_[1].reserve(weighed);
     for (auto* b : {&weight_, &cumulative_}) b->reserve(weighed);
+    if (Space::kSumsInBlocks) before_.reserve(sum_blocks(weighed));
     ancestor_.reserve(weighed);
     if (resample.scheme != ResampleScheme::residual) return;
     for (auto* b : {&offspring_sum_, &remainder_sum_}) b->reserve(weighed);
@@ -37,7 +38,9 @@ class WeightedCloud {
   Particles now() { return view(poses_[turn_]); }
   /// What resample() writes.
   Particles other() { return view(poses_[turn_ ^ 1]); }
-  Weights weights() { return {weight_.data(), cumulative_.data()}; }
+  Weights weights() {
+    return {weight_.data(), cumulative_.data(), Space::kSumsInBlocks ? before_.data() : nullptr};
+  }
   const std::uint32_t* ancestor() { return ancestor_.data(); }
 
   void upload(const ParticleSet& p, Queue& queue) {
@@ -60,20 +63,27 @@ class WeightedCloud {
     return weight_.to_host(count, queue);
   }
   std::vector<std::uint64_t> cumulative(std::size_t count, const Queue& queue) const {
-    return cumulative_.to_host(count, queue);
+    std::vector<std::uint64_t> sums = cumulative_.to_host(count, queue);
+    if (!Space::kSumsInBlocks) return sums;
+    const std::vector<std::uint64_t> before = before_.to_host(sum_blocks(count), queue);
+    for (std::size_t i = 0; i < count; ++i) sums[i] += before[i / kSumBlock];
+    return sums;
   }
   std::vector<std::uint32_t> ancestors(std::size_t count, const Queue& queue) const {
     return ancestor_.to_host(count, queue);
   }
 
-  void normalise(const StepInput* input, StepState* state, const RecoveryRates& recovery, Queue& queue) {
+  /// `just_weighed`: NormaliseArgs.
+  void normalise(const StepInput* input, StepState* state, const RecoveryRates& recovery, bool just_weighed,
+                 Queue& queue) {
     Space::normalise_scan({.particles = now(),
                            .weights = weights(),
                            .threshold = resample_.threshold,
                            .always = resample_.threshold >= 1.0,
                            .state = state,
                            .recovery = recovery,
-                           .input = input},
+                           .input = input,
+                           .just_weighed = just_weighed},
                           queue);
   }
   /// take_turns() afterwards.
@@ -112,7 +122,7 @@ class WeightedCloud {
   PoseArrays poses_[2];
   unsigned turn_ = 0;
   Array<float> log_weight_;
-  Array<std::uint64_t> weight_, cumulative_;
+  Array<std::uint64_t> weight_, cumulative_, before_;
   Array<std::uint32_t> ancestor_;
   Array<std::uint64_t> offspring_sum_, remainder_sum_;  // residual scheme only
 };

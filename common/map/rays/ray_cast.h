@@ -168,6 +168,33 @@ PARLOC_HD RayHit cast_dda(const RayMap& m, const Ray& r, float reach_cells) {
   return {0, 0, false};
 }
 
+/// One axis of a ray for leaping: mirrored where the ray goes down, so that it only ever goes up. Mirroring
+/// negates, which is exact: crossings and cells are those of the ray.
+struct LeapAxis {
+  float u, d;          // as the ray has them
+  float up_u, up_inv;  // mirrored start and 1 / direction
+  float sign, shift;   // cell c of the ray is cell c * sign + shift of the mirrored axis
+
+  PARLOC_HD static LeapAxis of(float u, float d, float inv) {
+    const bool down = d < 0.0f;
+    return {u, d, down ? -u : u, __builtin_fabsf(inv), down ? -1.0f : 1.0f, down ? -1.0f : 0.0f};
+  }
+  PARLOC_HD bool down() const { return d < 0.0f; }
+  /// Of a cell of the ray the mirrored one, and back.
+  PARLOC_HD std::int32_t mirrored(std::int32_t cell) const { return down() ? -1 - cell : cell; }
+  PARLOC_HD float crossing(float line) const { return (line - up_u) * up_inv; }
+
+  /// index_at(), mirrored. `until`: t, or if lines at t are not crossed yet the float in front of it, so that
+  /// one comparison does for both.
+  PARLOC_HD std::int32_t index_at(float t, float until) const {
+    const float c = floor_of(fused(t, d, u)) * sign + shift;  // exact
+    // A line at or behind the start is not crossed: without this a ray that starts on a line would fall back.
+    const bool too_late = crossing(c) > max_of(until, 0.0f);
+    const bool too_early = crossing(c + 1.0f) <= until;
+    return static_cast<std::int32_t>(c) + (too_early ? 1 : (too_late ? -1 : 0));
+  }
+};
+
 /// The same cells, leaping as many lines of the ray's main axis as the skip field promises. Exact: a leap
 /// ends at a grid crossing, and the other axis' index at that crossing is decided by its own crossings
 /// (index_at). A leap of one line may cross into the next row first: that is a step of its own, for its cell
@@ -177,29 +204,32 @@ PARLOC_HD RayHit skip_from(const RayMap& m, const Ray& r, const RayStart& s, flo
   const std::int32_t octant = octant_of(r.dx, r.dy);
   const bool steep = (octant & 4) != 0;
   const float slope = __builtin_fabsf(steep ? r.dx * r.inv_dy : r.dy * r.inv_dx);
-  const std::uint8_t* plane = m.skip + static_cast<std::int64_t>(sector_of(octant, slope)) * m.skip_plane;
-  const float u = steep ? r.v : r.u, d = steep ? r.dy : r.dx, inv = steep ? r.inv_dy : r.inv_dx;
-  const float other_u = steep ? r.u : r.v, other_d = steep ? r.dx : r.dy,
-              other_inv = steep ? r.inv_dx : r.inv_dy;
-  const std::int64_t stride = steep ? m.stride : 1, other_stride = steep ? 1 : m.stride;
-  const std::int32_t far = d < 0.0f ? 1 : 0;  // from a cell to its near line
-  std::int32_t line = (steep ? s.j : s.i) + far, other = steep ? s.i : s.j;
+  const LeapAxis x = LeapAxis::of(r.u, r.dx, r.inv_dx), y = LeapAxis::of(r.v, r.dy, r.inv_dy);
+  const LeapAxis main = steep ? y : x, side = steep ? x : y;
+  // Places inside a plane, whose corner is in front of cell (0, 0), fit 32 bits (kMaxMapSide).
+  const std::uint8_t* plane =
+      m.skip - m.stride - 1 + static_cast<std::int64_t>(sector_of(octant, slope)) * m.skip_plane;
+  const std::uint32_t stride = static_cast<std::uint32_t>(m.stride);
+  const std::uint32_t step_x = x.down() ? 0u - 1u : 1u, step_y = y.down() ? 0u - stride : stride;
+  const std::uint32_t step = steep ? step_y : step_x, side_step = steep ? step_x : step_y;
+  const std::uint32_t origin = (x.down() ? 0u : 1u) + (y.down() ? 0u : stride);
+  const std::uint32_t in_front = steep ? 1 : 0;  // of t = 0: not a number, which no line is crossed before
+  std::int32_t line = steep ? y.mirrored(s.j) : x.mirrored(s.i);
+  std::int32_t row = steep ? x.mirrored(s.i) : y.mirrored(s.j);
   for (;;) {
-    const std::int32_t lines = plane[(line - far) * stride + other * other_stride];
+    const std::int32_t lines =
+        plane[origin + static_cast<std::uint32_t>(line) * step + static_cast<std::uint32_t>(row) * side_step];
     if (lines == 0) {
-      const std::int32_t i = steep ? other : line - far, j = steep ? line - far : other;
+      const std::int32_t i = x.mirrored(steep ? row : line), j = y.mirrored(steep ? line : row);
       return {i, j, m.contains(i, j) && entry_parameter(r, i, j) < reach_cells};
     }
-    const std::int32_t next = d < 0.0f ? line - lines : line + lines;
-    const float t = (static_cast<float>(next) - u) * inv;
-    const std::int32_t other_next = index_at(other_u, other_d, other_inv, t, !steep);
-    if (lines == 1 && other_next != other) {
-      other += other_d < 0.0f ? -1 : 1;
-      continue;
-    }
-    if (!(t < reach_cells)) return {0, 0, false};
-    line = next;
-    other = other_next;
+    const std::int32_t next = line + lines;
+    const float t = main.crossing(static_cast<float>(next));
+    const std::int32_t next_row = side.index_at(t, float_of(bits_of(t) - in_front));
+    const bool sideways = lines == 1 && next_row != row;
+    if (!sideways && !(t < reach_cells)) return {0, 0, false};
+    line = sideways ? line : next;
+    row = sideways ? row + 1 : next_row;
   }
 }
 

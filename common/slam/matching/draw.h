@@ -4,6 +4,7 @@
 #include <cstdint>
 
 #include "common/map/rays/ray_cast.h"
+#include "common/math/atomics.h"
 #include "common/slam/matching/match_beam.h"
 
 namespace parloc {
@@ -89,7 +90,7 @@ struct MarkTile {
   std::uint8_t* touched;
   PARLOC_HD void operator()(std::int32_t i, std::int32_t j, bool) const {
     const std::size_t at = span.place(i, j);
-    if (at < span.size()) touched[at] = 1;  // whoever writes, it is 1
+    if (at < span.size()) atomic_write(&touched[at], std::uint8_t{1});
   }
 };
 

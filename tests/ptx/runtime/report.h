@@ -1,0 +1,36 @@
+// What is said: faults, which end the program at once; races, which are gathered and told at its end; and
+// counts.
+#pragma once
+
+#include <string>
+
+#include "tests/ptx/device/thread.h"
+
+namespace ptx {
+
+/// Exit codes: of a fault, and of a program that had races.
+inline constexpr int kFaultExit = 70, kRaceExit = 71;
+
+/// Ends the program with one line.
+[[noreturn]] void fault(const std::string& what);
+/// The same, with the kernel, the line of its PTX, the block and the thread.
+[[noreturn]] void fault(const Thread& thread, const std::string& what);
+std::string text(const Extent& at);
+
+/// One pair of accesses that nothing orders. Told once for each kernel, pair of lines and kind.
+void note_race(const Thread& thread, const std::string& what);
+
+/// What all launches of a kernel did.
+struct KernelCounts {
+  std::uint64_t launches = 0, threads = 0;
+  std::array<std::uint64_t, kKinds> instructions{};
+};
+KernelCounts& counts_of(const Kernel& kernel);
+/// What the host asked for.
+struct HostCounts {
+  std::uint64_t allocations = 0, copies = 0, bytes_copied = 0, waits = 0, graphs = 0, nodes = 0,
+                graph_launches = 0;
+};
+HostCounts& host_counts();
+
+}  // namespace ptx
