@@ -7,8 +7,8 @@
 #include <algorithm>
 #include <cstdlib>
 #include <cstring>
-#include <fstream>
 
+#include "common/file/processor_name.h"
 #include "common/filter/filter_backend.h"
 
 namespace parloc {
@@ -86,14 +86,7 @@ std::string Workers::name() const {
 }  // namespace cpu
 
 std::string describe_cpu() {
-  std::string model = "unknown processor";
-  std::ifstream info("/proc/cpuinfo");
-  for (std::string line; std::getline(info, line);)
-    if (line.rfind("model name", 0) == 0 && line.find(':') != std::string::npos) {
-      model = line.substr(line.find(':') + 2);
-      break;
-    }
-  return fmt::format("cpu: {}, {} cores, using {}", model, omp_get_num_procs(),
+  return fmt::format("cpu: {}, {} cores, using {}", processor_name(), omp_get_num_procs(),
                      cpu::simd_name(cpu::simd_level()));
 }
 
