@@ -25,7 +25,7 @@ LINE = re.compile(r"^(/.*):(\d+)(?: \(discriminator \d+\))?$")
 ASKS = re.compile(r"fma|fms|fnma")  # __builtin_fma and the compiler's intrinsics
 MASKED = re.compile(r"run_avx512|N_AVX3")  # an operation under a mask has the line of the choice that it serves
 WITH_HIGHWAY = "ray_trace.cpp.o"  # the one that may ask by intrinsics: in any other they are not this project's own
-OF_BETTER_SETS = re.compile(r"N_AVX|N_NEON|run_avx")  # Highway's namespaces, cpu/simd.h
+OF_BETTER_SETS = re.compile(r"N_AVX|run_avx|\.fma\b")  # Highway's namespaces, cpu/simd.h, target_clones
 
 
 @functools.cache
