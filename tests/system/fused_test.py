@@ -42,22 +42,23 @@ def asks(obj, path, number):
     return 0 < number <= len(lines) and bool(ASKS.search(lines[number - 1]))
 
 
-def look(objdump, obj):
-    """How many fused instructions there are, those that nobody asked for, and whether lines are known."""
-    text = subprocess.run([objdump, "-d", "-l", "--no-show-raw-insn", obj], check=True, capture_output=True, text=True).stdout
-    function, place, fused, wrong, knows_lines = "", None, 0, [], False
+def look(objdump, obj, by_line):
+    """How many fused instructions there are, and those that nobody asked for."""
+    options = ["-d", "--no-show-raw-insn", *(["-l"] if by_line else [])]
+    text = subprocess.run([objdump, *options, obj], check=True, capture_output=True, text=True).stdout
+    function, place, fused, wrong = "", None, 0, []
     for line in text.splitlines():
         if found := FUNCTION.match(line):
             function, place = found[1], None
         elif found := LINE.match(line):
-            place, knows_lines = (found[1], int(found[2])), True
+            place = (found[1], int(found[2]))
         elif found := FUSED.search(line):
             fused += 1
-            if place and MASKED.search(function):
+            if by_line and MASKED.search(function):
                 continue  # compiled for AVX2 as well, from the same lines
-            if not (asks(obj, *place) if place else OF_BETTER_SETS.search(function)):
+            if not (place and asks(obj, *place) if by_line else OF_BETTER_SETS.search(function)):
                 wrong.append(f"{found[1]} in {function}" + (f" ({place[0]}:{place[1]})" if place else ""))
-    return fused, wrong, knows_lines
+    return fused, wrong
 
 
 def compiled_anew(command, work, more):
@@ -76,6 +77,9 @@ def compiled_anew(command, work, more):
 def main():
     build, objdump, processor, *sources = sys.argv[1:]
     build, on_arm = pathlib.Path(build).resolve(), processor == "aarch64"
+    if on_arm and not sources:
+        print("skipped: on ARM, functions do not tell")
+        return SKIPPED
     with tempfile.TemporaryDirectory() as work:
         if sources:
             commands = {pathlib.Path(c["file"]): c for c in json.loads((build / "compile_commands.json").read_text())}
@@ -86,11 +90,8 @@ def main():
             objects = sorted(obj for folder in folders for obj in folder.rglob("*.o"))
         total, failed = 0, 0
         for obj in objects:
-            fused, wrong, knows_lines = look(objdump, obj)
+            fused, wrong = look(objdump, obj, by_line=bool(sources))
             total += fused
-            if wrong and on_arm and not knows_lines:
-                print("skipped: on ARM, functions do not tell")
-                return SKIPPED
             if wrong:
                 failed += 1
                 print(f"{obj.name}: {len(wrong)} of {fused} fused instructions that nobody asked for, such as {wrong[0]}")
