@@ -56,6 +56,17 @@ class StrictFloat {
 
  private:
   unsigned saved_;
+#elif defined(__aarch64__)
+  StrictFloat() {
+    asm volatile("mrs %0, fpcr" : "=r"(saved_)::"memory");
+    asm volatile("msr fpcr, xzr" ::: "memory");
+  }
+  ~StrictFloat() {
+    asm volatile("msr fpcr, %0" ::"r"(saved_) : "memory");
+  }
+
+ private:
+  std::uint64_t saved_;
 #else
   StrictFloat() {}
 #endif

@@ -3,6 +3,7 @@
 #include "cpu/ray_trace.h"
 
 #include <algorithm>
+#include <limits>
 
 #include "cpu/stages.h"
 
@@ -24,8 +25,11 @@ HWY_BEFORE_NAMESPACE();
 namespace parloc::cpu::HWY_NAMESPACE {
 
 #if PARLOC_RAYS_IN_LANES
-constexpr int kLeapsPerPass = 3;
-constexpr int kInFlight = 4;  // vectors whose look-ups overlap
+// Wide vectors leap a few times, are packed anew, and several at a time let their look-ups overlap. In one of
+// four lanes few idle: it leaps until its rays have arrived, which costs less than packing them.
+constexpr bool kToTheEnd = hn::MaxLanes(f32) <= 4;
+constexpr int kLeapsPerPass = kToTheEnd ? std::numeric_limits<int>::max() : 3;
+constexpr int kInFlight = kToTheEnd ? 1 : 4;
 
 /// The rays of one particle: a few leaps for all of them, then those that go on side by side for a few more,
 /// and so on, so that lanes stay busy.
@@ -103,7 +107,7 @@ class Tracer {
       const std::size_t at = first + static_cast<std::size_t>(f) * lanes;
       const VI beams = hn::Iota(i32, static_cast<std::int32_t>(at));
       hn::StoreU(range_or_look(r[f], beams), f32, expected_m_ + at);
-      keep(r[f], r[f].alive, beams, on_);
+      if (!kToTheEnd) keep(r[f], r[f].alive, beams, on_);
     }
   }
 

@@ -4,10 +4,11 @@
 
 namespace parloc::cpu {
 
-enum class Simd { baseline, avx2, avx512 };
+/// NEON is in every 64-bit ARM CPU, and the compiler uses it always: without it stands for rays one by one.
+enum class Simd { baseline, neon, avx2, avx512 };
 
 /// The best set that this CPU has, or the lower one named by the environment variable PARLOC_SIMD
-/// (baseline, avx2, avx512). Read once.
+/// (baseline, neon, avx2, avx512). Read once.
 Simd simd_level();
 /// For tests: use at most this set from now on. Not thread-safe.
 void limit_simd(Simd most);
@@ -47,6 +48,7 @@ inline void run_simd(const Loop& loop) {
     case Simd::avx2:
       run_avx2(loop);
       return;
+    case Simd::neon:
     case Simd::baseline:
       break;
   }

@@ -4,18 +4,18 @@
 #include <hwy/targets.h>
 #include <omp.h>
 
-#include <algorithm>
 #include <cstdlib>
-#include <cstring>
-#include <fstream>
+#include <string_view>
 
+#include "common/file/processor_name.h"
 #include "common/filter/filter_backend.h"
 
 namespace parloc {
 namespace cpu {
 namespace {
 
-Simd best_of_this_cpu() {
+/// The best set that this CPU has, of those up to `most`.
+Simd best_up_to([[maybe_unused]] Simd most) {
 #if defined(__x86_64__)
   __builtin_cpu_init();
   const bool avx2 =
@@ -23,19 +23,21 @@ Simd best_of_this_cpu() {
   const bool avx512 = avx2 && __builtin_cpu_supports("avx512f") && __builtin_cpu_supports("avx512bw") &&
                       __builtin_cpu_supports("avx512dq") && __builtin_cpu_supports("avx512vl") &&
                       __builtin_cpu_supports("avx512cd");
-  if (avx512) return Simd::avx512;
-  if (avx2) return Simd::avx2;
+  if (avx512 && most >= Simd::avx512) return Simd::avx512;
+  if (avx2 && most >= Simd::avx2) return Simd::avx2;
+#elif defined(__aarch64__)
+  if (most >= Simd::neon) return Simd::neon;
 #endif
   return Simd::baseline;
 }
 
 Simd first_level() {
-  const Simd best = best_of_this_cpu();
   const char* wish = std::getenv("PARLOC_SIMD");
-  if (wish == nullptr) return best;
-  if (std::strcmp(wish, "baseline") == 0) return Simd::baseline;
-  if (std::strcmp(wish, "avx2") == 0) return std::min(best, Simd::avx2);
-  return best;
+  const std::string_view most = wish == nullptr ? "" : wish;
+  if (most == "baseline") return Simd::baseline;
+  if (most == "neon") return best_up_to(Simd::neon);
+  if (most == "avx2") return best_up_to(Simd::avx2);
+  return best_up_to(Simd::avx512);
 }
 
 /// Highway chooses for cpu/ray_trace.cpp by itself: it gets the same limit. Its better targets have lower
@@ -58,7 +60,7 @@ Simd simd_level() {
   return level();
 }
 void limit_simd(Simd most) {
-  level() = limit_highway(std::min(most, best_of_this_cpu()));
+  level() = limit_highway(best_up_to(most));
 }
 
 const char* simd_name(Simd l) {
@@ -67,6 +69,8 @@ const char* simd_name(Simd l) {
       return "AVX-512";
     case Simd::avx2:
       return "AVX2";
+    case Simd::neon:
+      return "NEON";
     case Simd::baseline:
       break;
   }
@@ -86,14 +90,7 @@ std::string Workers::name() const {
 }  // namespace cpu
 
 std::string describe_cpu() {
-  std::string model = "unknown processor";
-  std::ifstream info("/proc/cpuinfo");
-  for (std::string line; std::getline(info, line);)
-    if (line.rfind("model name", 0) == 0 && line.find(':') != std::string::npos) {
-      model = line.substr(line.find(':') + 2);
-      break;
-    }
-  return fmt::format("cpu: {}, {} cores, using {}", model, omp_get_num_procs(),
+  return fmt::format("cpu: {}, {} cores, using {}", processor_name(), omp_get_num_procs(),
                      cpu::simd_name(cpu::simd_level()));
 }
 

@@ -1,5 +1,6 @@
 #include <array>
 #include <atomic>
+#include <optional>
 
 #include "common/filter/beam_votes.h"
 #include "common/filter/normalise.h"
@@ -12,21 +13,27 @@
 namespace parloc::cpu {
 namespace {
 
+/// By masks, without a choice that would keep the loops below out of vectors.
+PARLOC_HD std::int32_t known_or_most(float expected_m, std::int32_t known, std::int32_t most) {
+  const std::int32_t is_known = -static_cast<std::int32_t>(expected_m >= 0.0f);
+  return (known & is_known) | (most & ~is_known);
+}
+
 /// Sum over beams [first, last) of a ray model, hits and misses apart: two straight loops. A range that is
-/// not known yet counts as the best one.
+/// not known yet counts as the best one, `most`.
 template <class Model>
-PARLOC_HD std::int64_t sum_of_rays(const Model& model, const Beams& b, const float* expected_m,
-                                   std::size_t first, std::size_t last) {
+PARLOC_HD std::int64_t sum_of_rays(const Model& model, const Beams& b, const std::int32_t* most,
+                                   const float* expected_m, std::size_t first, std::size_t last) {
   const std::size_t hits = last < b.hits ? last : b.hits;
   std::int64_t sum = 0;
   for (std::size_t m = first; m < hits; ++m) {
-    const float known = model.hit(b.range_m[m], b.short_density[m], expected_m[m]);
-    sum += fixed_log_likelihood(expected_m[m] >= 0.0f ? known
-                                                      : model.most_of_hit(b.range_m[m], b.short_density[m]));
+    const std::int32_t known =
+        fixed_log_likelihood(model.hit(b.range_m[m], b.short_density[m], expected_m[m]));
+    sum += known_or_most(expected_m[m], known, most[m]);
   }
   for (std::size_t m = first > hits ? first : hits; m < last; ++m) {
-    const float known = model.miss(b.range_m[m], expected_m[m]);
-    sum += fixed_log_likelihood(expected_m[m] >= 0.0f ? known : model.most_of_miss());
+    const std::int32_t known = fixed_log_likelihood(model.miss(b.range_m[m], expected_m[m]));
+    sum += known_or_most(expected_m[m], known, most[m]);
   }
   return sum;
 }
@@ -53,27 +60,30 @@ class Contest {
   std::atomic<float> best_{-__builtin_inff()};
 };
 
-/// Entry c: upper bound of the sum over all beams behind chunk c.
-using MostOfRest = std::array<std::int64_t, kMaxBeams / kChunk>;
+/// The most that beams can add to a particle's sum, whatever it expects.
+struct Most {
+  std::array<std::int32_t, kMaxBeams> of;                       ///< Each beam.
+  std::array<std::int64_t, kMaxBeams / kChunk> of_those_after;  ///< All behind chunk c.
 
-template <class Model>
-MostOfRest most_of_rest(const Model& model, const Beams& b) {
-  const std::size_t chunks = (b.count + kChunk - 1) / kChunk;
-  MostOfRest rest{};
-  for (std::size_t c = chunks; c-- > 1;) {
-    rest[c - 1] = rest[c];
-    for (std::size_t m = c * kChunk; m < b.count && m < (c + 1) * kChunk; ++m)
-      rest[c - 1] += fixed_log_likelihood(m < b.hits ? model.most_of_hit(b.range_m[m], b.short_density[m])
-                                                     : model.most_of_miss());
+  template <class Model>
+  Most(const Model& model, const Beams& b) {
+    for (std::size_t m = 0; m < b.count; ++m)
+      of[m] = fixed_log_likelihood(m < b.hits ? model.most_of_hit(b.range_m[m], b.short_density[m])
+                                              : model.most_of_miss());
+    std::int64_t sum = 0;
+    for (std::size_t c = (b.count + kChunk - 1) / kChunk; c-- > 0;) {
+      of_those_after[c] = sum;
+      for (std::size_t m = c * kChunk; m < b.count && m < (c + 1) * kChunk; ++m) sum += of[m];
+    }
   }
-  return rest;
-}
+};
 
-/// Ranges of one particle into `row`, as long as it may win; false if it cannot any more.
+/// Ranges of one particle into `row`, as long as it may win; false if it cannot any more. `sum` of its beams
+/// where it comes along.
 template <class Model>
 bool trace_while_open(const WeightArgs& a, const Model& model, const Beams& beams, std::size_t i,
-                      const RayOrigin& origin, const MostOfRest& rest, const Contest& contest, float* row,
-                      Travellers& on) {
+                      const RayOrigin& origin, const Most& most, const Contest& contest, float* row,
+                      Travellers& on, std::optional<std::int64_t>& sum) {
   const float before = a.rays.particles.log_weight[i];
   on.on.count = 0;
   if (a.rays.caster != RayCaster::skip) {  // references, there to be compared with: they trace every beam
@@ -84,16 +94,20 @@ bool trace_while_open(const WeightArgs& a, const Model& model, const Beams& beam
     for (std::size_t m = 0; m < beams.count; ++m) row[m] = beams.range_max_m;
     return true;
   }
-  std::int64_t most = 0;
+  std::int64_t so_far = 0;
   for (std::size_t first = 0; first < beams.count; first += kChunk) {
     const std::size_t last = first + kChunk < beams.count ? first + kChunk : beams.count;
     trace_first(a.rays, origin, first, last, row, on);
-    run_simd([&]() PARLOC_SIMD_LOOP { most += sum_of_rays(model, beams, row, first, last); });
-    if (contest.lost(
-            tempered_log_weight(before, most + rest[first / kChunk], kLogLikelihoodUnit_nat, a.tempering)))
+    run_simd([&]()
+                 PARLOC_SIMD_LOOP { so_far += sum_of_rays(model, beams, most.of.data(), row, first, last); });
+    if (contest.lost(tempered_log_weight(before, so_far + most.of_those_after[first / kChunk],
+                                         kLogLikelihoodUnit_nat, a.tempering)))
       return false;
   }
-  trace_rest(a.rays, origin, row, on);
+  if (on.on.count == 0)
+    sum = so_far;
+  else
+    trace_rest(a.rays, origin, row, on);
   return true;
 }
 
@@ -105,7 +119,7 @@ void weight_by_rays(const WeightArgs& a, const Model& model, Workers& workers) {
   const Beams beams = beams_for_model(a);
   const float* stored_m = r.expected_m;
   float* log_weight = r.particles.log_weight;
-  const MostOfRest rest = most_of_rest(model, beams);
+  const Most most(model, beams);
   Contest contest(r.particles.capacity);
   const auto loop = [&](std::size_t begin, std::size_t end) PARLOC_SIMD_LOOP {
     alignas(64) float row[kRangeRoom];
@@ -115,13 +129,15 @@ void weight_by_rays(const WeightArgs& a, const Model& model, Workers& workers) {
       const std::size_t k = (i - begin) % kOrigins;
       if (k == 0)
         for (std::size_t n = 0; n < kOrigins && i + n < end; ++n) origins[n] = ray_origin(r, i + n);
-      if (stored_m == nullptr && !trace_while_open(a, model, beams, i, origins[k], rest, contest, row, on)) {
+      std::optional<std::int64_t> sum;
+      if (stored_m == nullptr &&
+          !trace_while_open(a, model, beams, i, origins[k], most, contest, row, on, sum)) {
         log_weight[i] = kNoWeight;
         continue;
       }
       const float* expected_m = stored_m != nullptr ? stored_m + i * beams.count : row;
-      const std::int64_t sum = sum_of_rays(model, beams, expected_m, 0, beams.count);
-      log_weight[i] = tempered_log_weight(log_weight[i], sum, kLogLikelihoodUnit_nat, a.tempering);
+      if (!sum) sum = sum_of_rays(model, beams, most.of.data(), expected_m, 0, beams.count);
+      log_weight[i] = tempered_log_weight(log_weight[i], *sum, kLogLikelihoodUnit_nat, a.tempering);
       contest.enter(log_weight[i]);
     }
   };

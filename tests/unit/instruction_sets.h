@@ -19,7 +19,7 @@ class SimdLimit {
 /// The instruction sets that this CPU has, each once.
 inline std::vector<cpu::Simd> instruction_sets() {
   std::vector<cpu::Simd> sets;
-  for (const cpu::Simd wish : {cpu::Simd::baseline, cpu::Simd::avx2, cpu::Simd::avx512}) {
+  for (const cpu::Simd wish : {cpu::Simd::baseline, cpu::Simd::neon, cpu::Simd::avx2, cpu::Simd::avx512}) {
     const SimdLimit limit(wish);
     if (cpu::simd_level() == wish) sets.push_back(wish);
   }

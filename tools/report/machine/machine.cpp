@@ -11,6 +11,7 @@
 #include <fstream>
 #include <string_view>
 
+#include "common/file/processor_name.h"
 #include "common/filter/filter_backend.h"
 
 namespace parloc::tools {
@@ -28,11 +29,6 @@ std::string line_of(const std::string& path, std::string_view key, char separato
     return value;
   }
   return "";
-}
-
-std::string cpu_model() {
-  const std::string model = line_of("/proc/cpuinfo", "model name", ':');
-  return model.empty() ? "unknown processor" : model;
 }
 
 std::string operating_system() {
@@ -71,7 +67,7 @@ int cores_here() {
 
 Machine machine_here() {
   Machine m;
-  m.cpu = cpu_model();
+  m.cpu = processor_name();
   m.cores = cores_here();
   struct sysinfo info {};
   if (sysinfo(&info) == 0) m.memory_bytes = std::uint64_t{info.totalram} * info.mem_unit;

@@ -1,0 +1,20 @@
+# Toolchain for 64-bit ARM on another machine: Debian's cross compiler, the libraries that tools/cross_test unpacked
+# into build/aarch64-root (or those of CMAKE_SYSROOT), and QEMU to run what was built.
+set(CMAKE_SYSTEM_NAME Linux)
+set(CMAKE_SYSTEM_PROCESSOR aarch64)
+set(CMAKE_CXX_COMPILER aarch64-linux-gnu-g++)
+set(CMAKE_LIBRARY_ARCHITECTURE aarch64-linux-gnu)
+if(NOT CMAKE_SYSROOT)
+  get_filename_component(CMAKE_SYSROOT ${CMAKE_CURRENT_LIST_DIR}/../../build/aarch64-root ABSOLUTE)
+endif()
+set(CMAKE_FIND_ROOT_PATH_MODE_PROGRAM NEVER)
+foreach(what LIBRARY INCLUDE PACKAGE)
+  set(CMAKE_FIND_ROOT_PATH_MODE_${what} ONLY)
+endforeach()
+set(ENV{PKG_CONFIG_SYSROOT_DIR} ${CMAKE_SYSROOT})
+set(ENV{PKG_CONFIG_LIBDIR} ${CMAKE_SYSROOT}/usr/lib/aarch64-linux-gnu/pkgconfig:${CMAKE_SYSROOT}/usr/share/pkgconfig)
+
+find_program(PARLOC_QEMU NAMES qemu-aarch64 qemu-aarch64-static)
+if(PARLOC_QEMU)
+  set(CMAKE_CROSSCOMPILING_EMULATOR ${PARLOC_QEMU} -L ${CMAKE_SYSROOT})
+endif()
