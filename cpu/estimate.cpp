@@ -1,4 +1,4 @@
-#include "common/filter/moments.h"
+#include "common/filter/weights/moments.h"
 
 #include "common/filter/bins.h"
 #include "cpu/block_sum.h"

@@ -1,6 +1,6 @@
 #include "common/flow/particle_flow.h"
 
-#include "common/filter/normalise.h"
+#include "common/filter/weights/normalise.h"
 #include "cpu/flow_stages.h"
 
 namespace parloc::cpu {

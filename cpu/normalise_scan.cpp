@@ -1,4 +1,4 @@
-#include "common/filter/normalise.h"
+#include "common/filter/weights/normalise.h"
 
 #include "cpu/block_sum.h"
 #include "cpu/scan.h"

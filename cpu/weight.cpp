@@ -3,7 +3,7 @@
 #include <optional>
 
 #include "common/filter/beam_votes.h"
-#include "common/filter/normalise.h"
+#include "common/filter/weights/normalise.h"
 #include "common/math/fixed_point.h"
 #include "cpu/likelihood_sum.h"
 #include "cpu/parallel.h"

@@ -1,4 +1,4 @@
-#include "common/filter/moments.h"
+#include "common/filter/weights/moments.h"
 
 #include "cuda/block_sum.h"
 #include "cuda/fill_bins.h"

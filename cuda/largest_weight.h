@@ -1,7 +1,7 @@
 // The largest log-weight of all particles: an integer maximum over the blocks of a kernel.
 #pragma once
 
-#include "common/filter/normalise.h"
+#include "common/filter/weights/normalise.h"
 #include "common/math/atomics.h"
 #include "cuda/queue.h"
 

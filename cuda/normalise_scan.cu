@@ -1,4 +1,4 @@
-#include "common/filter/normalise.h"
+#include "common/filter/weights/normalise.h"
 
 #include "cuda/block_sum.h"
 #include "cuda/largest_weight.h"

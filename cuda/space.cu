@@ -2,6 +2,7 @@
 
 #include "common/filter/filter_backend.h"
 #include "common/math/block_sum.h"
+#include "cuda/scan.h"
 
 namespace parloc {
 namespace PARLOC_CUDA_NAMESPACE {
@@ -26,6 +27,20 @@ std::string usable_device(int) {
 }
 #endif
 
+struct ReadValue {
+  const std::uint64_t* from;
+  PARLOC_HD std::uint64_t operator()(std::size_t i) const { return from[i]; }
+};
+
+struct AddBefore {
+  std::uint64_t* sums;
+  const std::uint64_t* before;
+  std::size_t count;
+  PARLOC_HD void operator()(const Thread& me) const {
+    for (std::size_t i = me.first(); i < count; i += me.stride()) sums[i] += before[i / kSumBlock];
+  }
+};
+
 }  // namespace
 
 Queue::Queue(int device) : device_(device), device_name_(usable_device(device)) {
@@ -40,6 +55,14 @@ void Queue::reserve(std::size_t particles) {
   const std::size_t blocks = sum_blocks(particles);
   scratch.sums.reserve((blocks + sum_blocks(blocks) + 3) * 12);  // the widest sum has 12 terms
   scratch.before.reserve(blocks);
+}
+
+void inclusive_scan(std::uint64_t* sums, std::size_t count, Queue& queue) {
+  if (count == 0) return;
+  queue.scratch.before.reserve(sum_blocks(count));
+  std::uint64_t* const before = queue.scratch.before.data();
+  scan_in_blocks(ReadValue{sums}, count, sums, before, queue);
+  if (count > kSumBlock) launch(AddBefore{sums, before, count}, blocks_for(count), queue);
 }
 
 }  // namespace PARLOC_CUDA_NAMESPACE

@@ -132,7 +132,7 @@ struct Moments {
          tt = 0;  ///< Covariance about the mean, heading differences wrapped.
 };
 
-/// Running means of a scan's likelihood (common/filter/recovery.h), as logarithms per beam.
+/// Running means of a scan's likelihood (common/filter/weights/recovery.h), as logarithms per beam.
 struct LikelihoodMeans {
   double scan = 0;            ///< Of the last scan alone.
   double slow = 0, fast = 0;  ///< Over the scans so far.

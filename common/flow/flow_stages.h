@@ -17,7 +17,7 @@
 // clang-format on
 #pragma once
 
-#include "common/filter/moments.h"
+#include "common/filter/weights/moments.h"
 #include "common/flow/cloud_move.h"
 #include "common/flow/flow_state.h"
 

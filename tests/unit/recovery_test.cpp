@@ -1,5 +1,5 @@
 // The running means of augmented recovery against numbers worked out elsewhere, and poses from free space.
-#include "common/filter/recovery.h"
+#include "common/filter/weights/recovery.h"
 
 #include <gtest/gtest.h>
 
@@ -7,7 +7,7 @@
 
 #include "common/filter/bind.h"
 #include "common/filter/free_space.h"
-#include "common/filter/normalise.h"
+#include "common/filter/weights/normalise.h"
 
 namespace parloc {
 namespace {

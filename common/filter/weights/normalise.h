@@ -1,8 +1,8 @@
 // From log-weights to fixed-point weights and the decision to resample (SPEC 3.2, 5.1, 5.4).
 #pragma once
 
-#include "common/filter/recovery.h"
 #include "common/filter/stages.h"
+#include "common/filter/weights/recovery.h"
 #include "common/math/fixed_point.h"
 
 namespace parloc {
