@@ -27,11 +27,20 @@ struct SumRoom {
     }
     for (int k = 0; k < K; ++k) lane[k][t] = sum.v[k];
   }
-  /// 0 to kHalvings - 1, with a barrier between.
+  /// Of so many values the first halvings would only add zeros, which changes no bit: the first that counts.
+  PARLOC_HD static int first_halving(std::uint32_t count) {
+    int halving = 0;
+    while (halving < kHalvings && ((kSumLanes / 2) >> halving) >= count) ++halving;
+    return halving;
+  }
+  /// 0 to kHalvings - 1, with a barrier between. All threads share the additions of all K sums, or a few
+  /// would do K of them one after the other.
   PARLOC_HD void halve(unsigned t, int halving) {
-    const unsigned offset = (kSumLanes / 2) >> halving;
-    if (t < offset)
-      for (int k = 0; k < K; ++k) lane[k][t] += lane[k][t + offset];
+    const unsigned bits = static_cast<unsigned>(kHalvings - 1 - halving), offset = 1u << bits;
+    for (unsigned n = t; n < K * offset; n += kThreads) {
+      double* const sum = &lane[n >> bits][n & (offset - 1)];
+      sum[0] += sum[offset];
+    }
   }
   PARLOC_HD void store(unsigned t, double* to) const {
     if (t < K) to[t] = lane[t][0];
@@ -53,36 +62,43 @@ struct ReadSums {
 template <int K>
 struct UpperSums {
   double* sums;
-  std::size_t blocks;
-  static constexpr int kPhasesEach = 2 + SumRoom<K>::kHalvings;
+  std::uint32_t blocks;
+  int phases;  // worked out once, on the host
 
-  PARLOC_HD int phases() const {
-    int all = 0;
-    for (std::size_t here = blocks; here > 1; here = sum_blocks(here))
-      all += static_cast<int>(sum_blocks(here)) * kPhasesEach;
-    return all;
+  UpperSums(double* sums_there, std::size_t block_count)
+      : sums(sums_there), blocks(static_cast<std::uint32_t>(block_count)), phases(0) {
+    for (std::uint32_t here = blocks; here > 1; here = blocks_of(here))
+      phases += static_cast<int>(blocks_of(here)) * phases_each(here);
+  }
+  PARLOC_HD static std::uint32_t blocks_of(std::uint32_t count) {
+    return (count + (kSumBlock - 1)) / static_cast<std::uint32_t>(kSumBlock);
+  }
+  /// Of a block among so many sums: load, halvings, store.
+  PARLOC_HD static int phases_each(std::uint32_t count) {
+    return 2 + SumRoom<K>::kHalvings - SumRoom<K>::first_halving(count);
   }
   PARLOC_HD void operator()(unsigned t, int phase, SumRoom<K>& room) const {
-    std::size_t block = static_cast<std::size_t>(phase / kPhasesEach);
-    const int part = phase % kPhasesEach;
     double* from = sums;
-    std::size_t count = blocks;
-    while (block >= sum_blocks(count)) {
-      block -= sum_blocks(count);
-      from += count * K;
-      count = sum_blocks(count);
+    std::uint32_t count = blocks;
+    int each = phases_each(count);
+    for (int level; phase >= (level = static_cast<int>(blocks_of(count)) * each); each = phases_each(count)) {
+      phase -= level;
+      from += std::size_t{count} * K;
+      count = blocks_of(count);
     }
+    const std::uint32_t block = static_cast<std::uint32_t>(phase / each);
+    const int part = phase % each;
     if (part == 0)
       room.load(t, block, count, ReadSums<K>{from});
-    else if (part + 1 < kPhasesEach)
-      room.halve(t, part - 1);
+    else if (part + 1 < each)
+      room.halve(t, SumRoom<K>::first_halving(count) + part - 1);
     else
-      room.store(t, from + (count + block) * K);
+      room.store(t, from + std::size_t{count + block} * K);
   }
   /// Where the one sum of all is, in the end.
   PARLOC_HD const double* result() const {
     const double* at = sums;
-    for (std::size_t here = blocks; here > 1; here = sum_blocks(here)) at += here * K;
+    for (std::uint32_t here = blocks; here > 1; here = blocks_of(here)) at += std::size_t{here} * K;
     return at;
   }
 };
@@ -104,7 +120,7 @@ struct SumBlocks {
   std::uint32_t* arrived;
 
   PARLOC_HD int join_phase() const { return kJoin; }
-  PARLOC_HD int phases() const { return kJoin + upper.phases() + 1; }
+  PARLOC_HD int phases() const { return kJoin + upper.phases + 1; }
   PARLOC_HD void operator()(const Thread& me, int phase, Shared& s) const {
     if (phase == 0) {
       if constexpr (requires { term.beside(me); }) term.beside(me);

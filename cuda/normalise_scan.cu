@@ -45,11 +45,12 @@ struct NormaliseScan {
   NormaliseArgs a;
   int bits;
   const LargestWeight* largest;
+  ScanTotals totals;
   UpperSums<1> upper;
   std::uint32_t* arrived;
 
   PARLOC_HD int join_phase() const { return kJoin; }
-  PARLOC_HD int phases() const { return kJoin + ScanTotals::kPhases + upper.phases() + 1; }
+  PARLOC_HD int phases() const { return kJoin + totals.phases() + upper.phases + 1; }
   PARLOC_HD void operator()(const Thread& me, int phase, Shared& s) const {
     const unsigned t = me.thread;
     if (phase == 0) return weigh(me, s);
@@ -63,10 +64,10 @@ struct NormaliseScan {
       return s.squares.store(t, upper.sums + me.block);
     }
     if (phase < kJoin) return write_sums(me, s);
-    const int rest = phase - kJoin;
-    if (rest < ScanTotals::kPhases) return ScanTotals{a.weights.before, upper.blocks}(t, rest, s.scan.room);
-    if (phase + 1 < phases()) return upper(t, rest - ScanTotals::kPhases, s.squares);
-    if (t == 0) decide(s.scan.room.total());
+    const int rest = phase - kJoin, of_totals = totals.phases();
+    if (rest < of_totals) return totals(t, rest, s.scan.room);
+    if (phase + 1 < phases()) return upper(t, rest - of_totals, s.squares);
+    if (t == 0) decide(totals.total(s.scan.room));
   }
 
  private:
@@ -107,7 +108,12 @@ void FilterStages::normalise_scan(const NormaliseArgs& a, Queue& queue) {
   std::uint32_t* const arrived = queue.scratch.arrived.data();
   if (!a.just_weighed)
     launch(FindLargest{a.particles, {largest}, arrived}, std::min(blocks_for(count), 1024u), queue);
-  launch(NormaliseScan{a, weight_bits(count), largest, {queue.scratch.sums.data(), blocks}, arrived},
+  launch(NormaliseScan{a,
+                       weight_bits(count),
+                       largest,
+                       {a.weights.before, blocks},
+                       {queue.scratch.sums.data(), blocks},
+                       arrived},
          static_cast<unsigned>(blocks), queue);
 }
 

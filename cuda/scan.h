@@ -19,8 +19,16 @@ struct ScanRoom {
     const std::uint64_t* from = sum[step % 2];
     sum[(step + 1) % 2][t] = from[t] + (t >= offset ? from[t - offset] : 0);
   }
-  /// What the threads before t have, after all steps.
-  PARLOC_HD std::uint64_t before(unsigned t) const { return t > 0 ? sum[kSteps % 2][t - 1] : 0; }
+  /// Steps that are enough where only the first so many threads have anything.
+  PARLOC_HD static int steps_for(std::size_t threads) {
+    int steps = 0;
+    while (steps < kSteps && (std::size_t{1} << steps) < threads) ++steps;
+    return steps;
+  }
+  /// What the threads before t have, after so many steps; t is one of those that have anything.
+  PARLOC_HD std::uint64_t before(unsigned t, int steps = kSteps) const {
+    return t > 0 ? sum[steps % 2][t - 1] : 0;
+  }
   PARLOC_HD std::uint64_t total() const { return sum[kSteps % 2][kThreads - 1]; }
 };
 
@@ -45,28 +53,37 @@ struct BlockScan {
 /// The totals of blocks become what comes before each block; by one block of threads.
 struct ScanTotals {
   std::uint64_t* before;  // [blocks] in: total of the block
-  std::size_t blocks;
-  static constexpr int kPhases = 2 + ScanRoom::kSteps;
+  std::uint32_t blocks, each, threads;
+  int steps;  // these worked out once, on the host
 
+  ScanTotals(std::uint64_t* totals, std::size_t block_count)
+      : before(totals),
+        blocks(static_cast<std::uint32_t>(block_count)),
+        each((blocks + kThreads - 1) / kThreads),
+        threads((blocks + each - 1) / each),
+        steps(ScanRoom::steps_for(threads)) {}
+
+  PARLOC_HD int phases() const { return 2 + steps; }
   PARLOC_HD void operator()(unsigned t, int phase, ScanRoom& room) const {
-    const std::size_t each = (blocks + kThreads - 1) / kThreads;
-    const std::size_t first = t * each < blocks ? t * each : blocks;
-    const std::size_t end = first + each < blocks ? first + each : blocks;
+    const std::uint32_t first = t < threads ? t * each : blocks;
+    const std::uint32_t end = first + each < blocks ? first + each : blocks;
     if (phase == 0) {
       std::uint64_t sum = 0;
-      for (std::size_t b = first; b < end; ++b) sum += before[b];
+      for (std::uint32_t b = first; b < end; ++b) sum += before[b];
       room.set(t, sum);
-    } else if (phase + 1 < kPhases) {
+    } else if (phase <= steps) {
       room.step(t, phase - 1);
-    } else {
-      std::uint64_t sum = room.before(t);
-      for (std::size_t b = first; b < end; ++b) {
+    } else if (t < threads) {
+      std::uint64_t sum = room.before(t, steps);
+      for (std::uint32_t b = first; b < end; ++b) {
         const std::uint64_t here = before[b];
         before[b] = sum;
         sum += here;
       }
     }
   }
+  /// Of all blocks, after all phases; for any thread.
+  PARLOC_HD std::uint64_t total(const ScanRoom& room) const { return room.sum[steps % 2][threads - 1]; }
 };
 
 /// within[i] = sum of value(j) for j from the first of i's 1024 to i; before[i / 1024]: of all j in front of
@@ -85,7 +102,7 @@ struct ScanBlocks {
   std::uint32_t* arrived;
 
   PARLOC_HD int join_phase() const { return kJoin + 1; }
-  PARLOC_HD int phases() const { return join_phase() + ScanTotals::kPhases; }
+  PARLOC_HD int phases() const { return join_phase() + totals.phases(); }
   PARLOC_HD void operator()(const Thread& me, int phase, Shared& s) const {
     const unsigned t = me.thread;
     const std::size_t first = std::size_t{me.block} * kSumBlock;

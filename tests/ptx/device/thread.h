@@ -83,7 +83,7 @@ struct Thread {
   int line = 0;      // of the PTX, where the thread is
   int patience = 0;  // how many reads that may wait for another thread it does before it lets others run
   Meeting meeting;
-  std::array<std::uint64_t, kKinds>* counts = nullptr;
+  std::uint32_t* visits = nullptr;  // how often the thread came to each piece of its kernel
 
   // For the race detector: the thread's own time, and up to which time it knows its block and its warp.
   std::uint32_t clock = 1, block_seen = 0;
@@ -94,7 +94,7 @@ struct Thread {
   std::uint32_t warp() const { return index / 32; }
   std::uint32_t lanes_at_or_above() const { return ~0u << lane(); }
   std::uint32_t lanes_below() const { return (1u << lane()) - 1; }
-  void count(Kind kind, unsigned n) { (*counts)[kind] += n; }
+  void visit(unsigned piece) { ++visits[piece]; }
   /// True every so often: let others run now.
   bool lets_others_run() { return --patience < 0; }
 };
@@ -104,6 +104,10 @@ template <class To, class From>
 To bits(From from) {
   return std::bit_cast<To>(from);
 }
+
+/// A piece of a kernel, to be run through from its first instruction to its last: how many there are of a
+/// kind.
+using Piece = std::array<std::uint16_t, kKinds>;
 
 /// A kernel, as the generator wrote it.
 struct Parameter {
@@ -115,6 +119,8 @@ struct Kernel {
   Outcome (*run)(Thread&, void* registers);
   std::uint32_t register_bytes, shared_bytes, local_bytes, parameter_bytes, max_threads;
   const Parameter* parameters;
+  const Piece* pieces;
+  std::uint32_t piece_count;
   bool meets;  // its threads stop before they are finished
   bool has_fence;
 };

@@ -8,6 +8,7 @@ import memory
 from operands import C_TYPES, Operands
 from parse import Label, PtxError
 
+KINDS = ("kInteger", "kFloat32", "kFloat64", "kGlobal", "kShared", "kOther", "kAtomic", "kMeeting", "kControl")
 TRANSLATIONS = arithmetic.TRANSLATIONS | memory.TRANSLATIONS
 # Identifiers with numbers of the file's path, or of the architectures compiled for. The runtime drops them too when a
 # kernel is asked for (runtime/names.cpp).
@@ -53,6 +54,7 @@ def label_name(name):
 class KernelWriter:
     def __init__(self, kernel, module):
         self.kernel, self.operands, self.resumes, self.lines = kernel, Operands(kernel, module), 0, []
+        self.pieces = []  # kinds of instructions, and how many
 
     def write(self, number):
         instructions = self.kernel.body
@@ -73,7 +75,7 @@ class KernelWriter:
         return f"if ({'!' if item.guard_negated else ''}{self.operands.predicate(item.guard)}) " if item.guard else ""
 
     def count(self, instructions, place):
-        """A label, if one is here, and the instructions from here to the next one or the next branch, by kind."""
+        """A label, if one is here, and the piece from here to the next one or the next branch: what is in it."""
         if isinstance(instructions[place], Label):
             self.lines.append(f"{label_name(instructions[place].name)}:;")
             place += 1
@@ -84,7 +86,9 @@ class KernelWriter:
             if ends_block(instructions[place]):
                 break
             place += 1
-        self.lines.extend(f"  thread.count({kind}, {number});" for kind, number in kinds.items())
+        if kinds:
+            self.lines.append(f"  thread.visit({len(self.pieces)});")
+            self.pieces.append(kinds)
 
     def translate(self, i):
         name = i.opcode[0]
@@ -129,10 +133,16 @@ def ends_block(item):
     return not isinstance(item, Label) and item.opcode[0] in ("bra", "ret", "exit")
 
 
-def kernel_row(kernel, number, file, meets):
+def piece_table(pieces, number):
+    rows = "".join(f"    {{{', '.join(str(kinds.get(kind, 0)) for kind in KINDS)}}},\n" for kinds in pieces)
+    return f"const Piece pieces{number}[] = {{\n{rows}    {{}}}};\n"
+
+
+def kernel_row(kernel, number, file, pieces, meets):
     fenced = any(memory.fences(i) for i in kernel.body if not isinstance(i, Label))
     return (f'    {{"{plain(kernel.name)}", "{file}", kernel{number}, sizeof(Registers{number}), {kernel.bytes_of("shared")}, '
-            f'{kernel.bytes_of("local")}, {kernel.parameter_bytes}, {kernel.max_threads}, parameters{number}, '
+            f'{kernel.bytes_of("local")}, {kernel.parameter_bytes}, {kernel.max_threads}, '
+            f"parameters{number}, pieces{number}, {pieces}, "
             f"{'true' if meets else 'false'}, {'true' if fenced else 'false'}}},\n")  # fmt: skip
 
 
@@ -157,11 +167,14 @@ def write_module(module, name):
     writers = [KernelWriter(kernel, module) for kernel in module.kernels]
     kernels = [writer.write(n) for n, writer in enumerate(writers)]
     parameters = "".join(parameter_table(kernel, n) for n, kernel in enumerate(module.kernels))
-    rows = "".join(kernel_row(writer.kernel, n, module.file, writer.resumes > 0) for n, writer in enumerate(writers))
-    empty = "" if rows else "    {nullptr, nullptr, nullptr, 0, 0, 0, 0, 0, nullptr, false, false},\n"
+    pieces = "".join(piece_table(writer.pieces, n) for n, writer in enumerate(writers))
+    rows = "".join(kernel_row(writer.kernel, n, module.file, len(writer.pieces), writer.resumes > 0)
+                   for n, writer in enumerate(writers))  # fmt: skip
+    empty = "" if rows else "    {nullptr, nullptr, nullptr, 0, 0, 0, 0, 0, nullptr, nullptr, 0, false, false},\n"
     return (f"// Written by tests/ptx/generator from {module.file}.\n"
             '#include "tests/ptx/device/access.h"\n\nnamespace ptx {\nnamespace {\n\n'
-            f"{write_symbols(module)}\n{''.join(kernels)}\n{parameters}const Kernel kernels[] = {{\n{rows}{empty}}};\n\n"
+            f"{write_symbols(module)}\n{''.join(kernels)}\n{parameters}{pieces}"
+            f"const Kernel kernels[] = {{\n{rows}{empty}}};\n\n"
             "}  // namespace\n\n"
             f"extern const Module module_{name};\n"
             f"const Module module_{name}{{kernels, {len(module.kernels)}, symbols, {len(module.variables)}}};\n\n"

@@ -65,7 +65,8 @@ Block::Block(const Launch& launch, std::uint32_t block_number)
   grow(memory->traces, shared_bytes / 4 + 1);
   std::memset(static_cast<void*>(memory->shared.data()), kPoison, shared_bytes);
   std::memset(static_cast<void*>(memory->local.data()), kPoison, local_each * threads.size() * kLine);
-  KernelCounts& counts = counts_of(*launch.kernel);
+  const std::size_t pieces = launch.kernel->piece_count;
+  memory->visits.assign(threads.size() * pieces, 0);
   for (std::uint32_t i = 0; i < threads.size(); ++i) {
     Thread& thread = threads[i];
     thread.launch = &launch;
@@ -78,13 +79,41 @@ Block::Block(const Launch& launch, std::uint32_t block_number)
     thread.shared_bytes = shared_bytes;
     thread.local = reinterpret_cast<char*>(memory->local.data() + i * local_each);
     thread.local_bytes = launch.kernel->local_bytes;
-    thread.counts = &counts.instructions;
+    thread.visits = memory->visits.data() + i * pieces;
     start_of(memory->registers.data() + i * registers_each_);
   }
 }
 
 Block::~Block() {
+  count_visits();
   unused().push_back(std::move(memory));
+}
+
+/// A warp issues a piece as often as that of its lanes which comes there most often: they part at branches,
+/// and are together again behind them.
+void Block::count_visits() const {
+  constexpr std::size_t kLanes = 32;
+  KernelCounts& counts = counts_of(*launch_.kernel);
+  ++counts.blocks;
+  for (std::size_t first = 0; first < threads.size(); first += kLanes) {
+    const std::size_t end = std::min(first + kLanes, threads.size());
+    std::uint64_t issued = 0;
+    for (std::uint32_t piece = 0; piece < launch_.kernel->piece_count; ++piece) {
+      std::uint64_t all = 0, most = 0;
+      for (std::size_t i = first; i < end; ++i) {
+        all += threads[i].visits[piece];
+        most = std::max<std::uint64_t>(most, threads[i].visits[piece]);
+      }
+      if (most == 0) continue;
+      for (std::size_t kind = 0; kind < kKinds; ++kind) {
+        const std::uint64_t here = launch_.kernel->pieces[piece][kind];
+        counts.instructions[kind] += all * here;
+        counts.issued[kind] += most * here;
+        issued += most * here;
+      }
+    }
+    counts.longest_warp = std::max(counts.longest_warp, issued);
+  }
 }
 
 Block::Progress Block::run_round(std::mt19937& order) {

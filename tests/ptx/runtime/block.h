@@ -19,7 +19,8 @@ struct BlockMemory {
     char bytes[16];
   };
   std::vector<Line> shared, registers, local;
-  std::vector<Trace> traces;  // of shared memory
+  std::vector<Trace> traces;          // of shared memory
+  std::vector<std::uint32_t> visits;  // of each thread to each piece
 };
 
 struct Block {
@@ -49,6 +50,7 @@ struct Block {
   bool release_barriers();
   bool meet_at(std::uint32_t barrier);
   [[noreturn]] void explain_standstill() const;
+  void count_visits() const;
   std::size_t live() const;
 
   const Launch& launch_;

@@ -102,6 +102,15 @@ KernelCounts& counts_of(const Kernel& kernel) {
   return report().kernels[&kernel];
 }
 
+const std::map<const Kernel*, KernelCounts>& counts_of_all() {
+  return report().kernels;
+}
+
+void forget_counts() {
+  report().kernels.clear();
+  report().host = {};
+}
+
 HostCounts& host_counts() {
   return report().host;
 }

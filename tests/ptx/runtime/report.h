@@ -2,6 +2,7 @@
 // counts.
 #pragma once
 
+#include <map>
 #include <string>
 
 #include "tests/ptx/device/thread.h"
@@ -22,10 +23,16 @@ void note_race(const Thread& thread, const std::string& what);
 
 /// What all launches of a kernel did.
 struct KernelCounts {
-  std::uint64_t launches = 0, threads = 0;
-  std::array<std::uint64_t, kKinds> instructions{};
+  using ByKind = std::array<std::uint64_t, kKinds>;
+  std::uint64_t launches = 0, blocks = 0, threads = 0;
+  ByKind instructions{};           // of all threads
+  ByKind issued{};                 // of all warps, whose lanes go through a piece together
+  std::uint64_t longest_warp = 0;  // issued by one warp, at most
 };
 KernelCounts& counts_of(const Kernel& kernel);
+const std::map<const Kernel*, KernelCounts>& counts_of_all();
+/// Begins anew.
+void forget_counts();
 /// What the host asked for.
 struct HostCounts {
   std::uint64_t allocations = 0, copies = 0, bytes_copied = 0, waits = 0, graphs = 0, nodes = 0,
