@@ -129,6 +129,8 @@ def main():
     parser.add_argument("--cuobjdump", default=shutil.which("cuobjdump"))
     chosen = parser.parse_args()
     build = chosen.build.resolve()
+    if not (build / "tests/ptx/count_step").exists():
+        sys.exit(f"{build}: no tests/ptx/count_step; cmake --preset cuda-nogpu and ninja -C {build} count_step make it")
     statics = static_counts(build, chosen.cuobjdump)
     results = [model_case(case, count_step(build, case[1], case[2], case[3]), statics) for case in CASES]
     (ROOT / "docs/results/gpu_model.md").write_text(page(results, chosen.cuobjdump))
