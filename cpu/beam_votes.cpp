@@ -47,8 +47,8 @@ void vote_on_classes(const WeightArgs& a, Workers& workers) {
       if (expected_m == row) {
         on.on.count = 0;
         const RayOrigin origin = ray_origin(r, i);
-        trace_first(r, origin, 0, b.hits, row, on);
-        trace_rest(r, origin, row, on);
+        trace_first(r, origin, 0, b.hits, row, 0, on);
+        trace_rest(r, row, on);
       }
       const float w = weight_before(r.particles, i);
       for (std::size_t m = 0; m < b.hits; ++m) {

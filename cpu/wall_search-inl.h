@@ -40,16 +40,15 @@ HWY_INLINE VF hit_walls(const float* rays, const float* walls) {
   return hn::IfThenElse(hn::And(passes, hn::Ge(t, zero)), t, hn::Set(f32, kNoWall));
 }
 
-HWY_INLINE MF within_grid(const RayMap& map, VF i, VF j) {
-  const VF zero = hn::Zero(f32), w = hn::Set(f32, static_cast<float>(map.width)),
-           h = hn::Set(f32, static_cast<float>(map.height));
-  return hn::And(hn::And(hn::Ge(i, zero), hn::Lt(i, w)), hn::And(hn::Ge(j, zero), hn::Lt(j, h)));
-}
-
 class WallSearch {
  public:
-  WallSearch(const Fan& fan, float* expected_m, Travellers& rays)
-      : fan_(fan), expected_m_(expected_m), on_(rays.on), arrived_(rays.arrived), look_(rays.look) {}
+  WallSearch(const RayTraceArgs& a, float* expected_m, Travellers& rays)
+      : map_(a.map),
+        range_max_m_(a.beams.range_max_m),
+        expected_m_(expected_m),
+        on_(rays.on),
+        arrived_(rays.arrived),
+        look_(rays.look) {}
 
   /// The part of cast_walls between leaps, look_in_cell for all rays that have come to a cell with walls:
   /// finds the nearest of them. A ray that leaves the cell before it goes on from the next one.
@@ -64,33 +63,29 @@ class WallSearch {
  private:
   /// Where rays are, when they leave their cell, and where they are then.
   HWY_INLINE void prepare(std::size_t at, std::size_t count) {
-    VI beams;
-    const Rays r = fan_.resumed(arrived_, at, count, beams);
-    const VF far = hn::IfThenElseZero(hn::Lt(r.sign, hn::Zero(f32)), hn::Set(f32, 1.0f));
-    const VF cell = hn::Sub(r.line, far);
-    const VF i = hn::IfThenElse(r.steep, r.other_cell, cell), j = hn::IfThenElse(r.steep, cell, r.other_cell);
-    const VF next = hn::Mul(hn::Sub(hn::Add(r.line, r.sign), r.start), r.inv);
-    const VF other_next = hn::Mul(hn::Sub(hn::Add(r.other_cell, r.other_ahead), r.other_start), r.other_inv);
+    Rays r;
+    resumed_rays(map_, arrived_, at, count, r);
+    const VF one = hn::Set(f32, 1.0f);
+    const VF line = hn::Add(r.line, one), other_cell = hn::Add(r.other_cell, one);
+    const VF next = hn::Mul(hn::Sub(line, r.start), r.inv);
+    const VF other_next = hn::Mul(hn::Sub(other_cell, r.other_start), r.other_inv);
     // As cast_dda: a tie goes along y first.
     const MF onward = hn::Or(hn::Lt(next, other_next), hn::And(r.steep, hn::Eq(next, other_next)));
+    const GridCell c = grid_cell(r);
     const VI index =
-        hn::Add(hn::Mul(hn::ConvertTo(i32, j), hn::Set(i32, fan_.a.map.width)), hn::ConvertTo(i32, i));
-    const auto looks = hn::RebindMask(i32, hn::And(r.alive, within_grid(fan_.a.map, i, j)));
+        hn::Add(hn::Mul(hn::ConvertTo(i32, c.j), hn::Set(i32, map_.width)), hn::ConvertTo(i32, c.i));
+    const auto looks = hn::RebindMask(i32, hn::And(r.alive, within_grid(map_, c)));
     hn::StoreU(hn::IfThenElse(looks, index, hn::Set(i32, -1)), i32, look_.cell + at);
     hn::StoreU(hn::IfThenElse(onward, next, other_next), f32, look_.leaves + at);
-    hn::StoreU(hn::IfThenElse(onward, hn::Add(r.line, r.sign), r.line), f32, look_.line + at);
-    hn::StoreU(hn::IfThenElse(onward, r.other_cell, hn::Add(r.other_cell, r.other_sign)), f32,
-               look_.other_cell + at);
-    hn::StoreInterleaved4(hn::IfThenElse(r.steep, r.other_start, r.start),
-                          hn::IfThenElse(r.steep, r.start, r.other_start),
-                          hn::IfThenElse(r.steep, r.other_d, r.d), hn::IfThenElse(r.steep, r.d, r.other_d),
-                          f32, look_.ray + 4 * at);
+    hn::StoreU(hn::IfThenElse(onward, line, r.line), f32, look_.line + at);
+    hn::StoreU(hn::IfThenElse(onward, r.other_cell, other_cell), f32, look_.other_cell + at);
+    hn::StoreInterleaved4(r.u, r.v, r.dx, r.dy, f32, look_.ray + 4 * at);
   }
 
   /// The nearest wall in each ray's cell. Rays and walls are put side by side in pairs, so that no lane waits
   /// for a fuller cell.
   void find_nearest(std::size_t count) {
-    const Walls& walls = fan_.a.map.walls;
+    const Walls& walls = map_.walls;
     std::size_t pairs = 0;
     for (std::size_t k = 0; k < count; ++k) {
       look_.nearest[k] = kNoWall;
@@ -117,24 +112,24 @@ class WallSearch {
 
   HWY_INLINE void settle(std::size_t at, std::size_t count) {
     const MF used = hn::FirstN(f32, count - at);
-    const auto used_i = hn::RebindMask(i32, used);
-    const VI beams = hn::IfThenElse(used_i, hn::Load(i32, arrived_.beam + at),
-                                    hn::Set(i32, static_cast<std::int32_t>(fan_.a.beams.count)));
+    const VI places = places_of(arrived_, at, count);
     const VF nearest = hn::LoadU(f32, look_.nearest + at), leaves = hn::LoadU(f32, look_.leaves + at);
-    const VF reach = hn::Set(f32, fan_.reach_cells), none = hn::Set(f32, fan_.a.beams.range_max_m);
+    const VF reach = hn::Set(f32, range_max_m_ * map_.inv_resolution), none = hn::Set(f32, range_max_m_);
     const MF looked = hn::RebindMask(f32, hn::Gt(hn::LoadU(i32, look_.cell + at), hn::Set(i32, -1)));
     const MF found = hn::And(looked, hn::Le(nearest, leaves));
     const MF on = hn::And(hn::AndNot(found, looked), hn::And(used, hn::Lt(leaves, reach)));
-    const VF range = hn::Min(hn::Mul(nearest, hn::Set(f32, fan_.a.map.resolution_m)), none);
+    const VF range = hn::Min(hn::Mul(nearest, hn::Set(f32, map_.resolution_m)), none);
     const VF known = hn::IfThenElse(hn::And(found, hn::Lt(nearest, reach)), range, none);
-    hn::ScatterIndex(hn::IfThenElse(on, hn::Set(f32, kUnfinished_m), known), f32, expected_m_, beams);
+    hn::ScatterIndex(hn::IfThenElse(on, hn::Set(f32, kUnfinished_m), known), f32, expected_m_, places);
     Rays next;
+    resumed_rays(map_, arrived_, at, count, next);
     next.line = hn::LoadU(f32, look_.line + at);
     next.other_cell = hn::LoadU(f32, look_.other_cell + at);
-    keep(next, on, beams, on_);
+    keep(next, on, places, on_);
   }
 
-  const Fan& fan_;
+  const RayMap& map_;
+  const float range_max_m_;
   float* expected_m_;
   RayQueue &on_, &arrived_;
   WallLook& look_;

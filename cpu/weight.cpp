@@ -1,44 +1,17 @@
-#include <array>
+#include <algorithm>
 #include <atomic>
-#include <optional>
 
 #include "common/filter/beam_votes.h"
 #include "common/filter/weights/normalise.h"
 #include "common/math/fixed_point.h"
 #include "cpu/likelihood_sum.h"
 #include "cpu/parallel.h"
+#include "cpu/ray_scan.h"
 #include "cpu/ray_trace.h"
 #include "cpu/stages.h"
 
 namespace parloc::cpu {
 namespace {
-
-/// By masks, without a choice that would keep the loops below out of vectors.
-PARLOC_HD std::int32_t known_or_most(float expected_m, std::int32_t known, std::int32_t most) {
-  const std::int32_t is_known = -static_cast<std::int32_t>(expected_m >= 0.0f);
-  return (known & is_known) | (most & ~is_known);
-}
-
-/// Sum over beams [first, last) of a ray model, hits and misses apart: two straight loops. A range that is
-/// not known yet counts as the best one, `most`.
-template <class Model>
-PARLOC_HD std::int64_t sum_of_rays(const Model& model, const Beams& b, const std::int32_t* most,
-                                   const float* expected_m, std::size_t first, std::size_t last) {
-  const std::size_t hits = last < b.hits ? last : b.hits;
-  std::int64_t sum = 0;
-  for (std::size_t m = first; m < hits; ++m) {
-    const std::int32_t known =
-        fixed_log_likelihood(model.hit(b.range_m[m], b.short_density[m], expected_m[m]));
-    sum += known_or_most(expected_m[m], known, most[m]);
-  }
-  for (std::size_t m = first > hits ? first : hits; m < last; ++m) {
-    const std::int32_t known = fixed_log_likelihood(model.miss(b.range_m[m], expected_m[m]));
-    sum += known_or_most(expected_m[m], known, most[m]);
-  }
-  return sum;
-}
-
-constexpr std::size_t kChunk = 32;  // beams after which a particle is looked at
 
 /// What is known of the best particle while the others are weighed. Which of them saw it in time to give up
 /// depends on the threads' schedule; the outcome does not, for only those give up whose weight is zero
@@ -60,88 +33,105 @@ class Contest {
   std::atomic<float> best_{-__builtin_inff()};
 };
 
-/// The most that beams can add to a particle's sum, whatever it expects.
-struct Most {
-  std::array<std::int32_t, kMaxBeams> of;                       ///< Each beam.
-  std::array<std::int64_t, kMaxBeams / kChunk> of_those_after;  ///< All behind chunk c.
+/// The particles of one thread, by a ray model: a few at a time, so that their rays can be followed together.
+template <class Model>
+class RayWeigher {
+ public:
+  RayWeigher(const WeightArgs& a, const RayScan<Model>& scan, Contest& contest)
+      : a_(a), scan_(scan), contest_(contest), beams_(a.rays.beams.count), row_size_(row_size(beams_)) {}
 
-  template <class Model>
-  Most(const Model& model, const Beams& b) {
-    for (std::size_t m = 0; m < b.count; ++m)
-      of[m] = fixed_log_likelihood(m < b.hits ? model.most_of_hit(b.range_m[m], b.short_density[m])
-                                              : model.most_of_miss());
-    std::int64_t sum = 0;
-    for (std::size_t c = (b.count + kChunk - 1) / kChunk; c-- > 0;) {
-      of_those_after[c] = sum;
-      for (std::size_t m = c * kChunk; m < b.count && m < (c + 1) * kChunk; ++m) sum += of[m];
+  PARLOC_HD void weigh(std::size_t begin, std::size_t end) {
+    const std::size_t together = particles_together(beams_);
+    for (std::size_t i = begin; i < end; i += together) {
+      const std::size_t count = together < end - i ? together : end - i;
+      for (std::size_t k = 0; k < count; ++k) origins_[k] = ray_origin(a_.rays, i + k);
+      on_.on.count = 0;
+      for (std::size_t k = 0; k < count; ++k) begin_one(k, i + k);
+      finish(i, count);
     }
   }
+
+ private:
+  /// The first leaps of particle i's rays, and the sum of beams that arrived; lost if it cannot win any more.
+  void begin_one(std::size_t k, std::size_t i) {
+    Partial& p = partial_[k];
+    p = {0, on_.on.count, on_.on.count, false};
+    const std::size_t row = k * row_size_;
+    if (a_.rays.expected_m != nullptr) {
+      std::copy_n(a_.rays.expected_m + i * beams_, beams_, rows_ + row);
+      return add(p, row, 0, beams_);
+    }
+    if (a_.rays.caster != RayCaster::skip) {  // references, there to be compared with: they trace every beam
+      trace_first(a_.rays, origins_[k], 0, beams_, rows_, row, on_);
+      return add(p, row, 0, beams_);
+    }
+    if (nothing_in_reach(a_.rays, origins_[k])) {
+      std::fill_n(rows_ + row, beams_, a_.rays.beams.range_max_m);
+      return add(p, row, 0, beams_);
+    }
+    const float before = a_.rays.particles.log_weight[i];
+    std::size_t first = 0;
+    for (const auto& [last, most_behind] : scan_.looks()) {
+      trace_first(a_.rays, origins_[k], first, last, rows_, row, on_);
+      add(p, row, first, last);
+      first = last;
+      p.lost = contest_.lost(
+          tempered_log_weight(before, p.sum + most_behind, kLogLikelihoodUnit_nat, a_.tempering));
+      if (p.lost) on_.on.count = p.late_from;
+      if (p.lost) return;
+    }
+    p.late_to = on_.on.count;
+  }
+
+  /// The rays that are still on their way, then all weights.
+  void finish(std::size_t i, std::size_t count) {
+    const std::size_t late = on_.on.count;
+    if (late > 0) {
+      std::copy_n(on_.on.place, late, places_);
+      std::fill_n(places_ + late, kTogether, 0);
+      trace_rest(a_.rays, rows_, on_);
+    }
+    float* log_weight = a_.rays.particles.log_weight + i;
+    for (std::size_t k = 0; k < count; ++k) {
+      Partial& p = partial_[k];
+      if (p.late_to > p.late_from)
+        run_simd([&]() PARLOC_SIMD_LOOP {
+          p.sum += scan_.late_sum(rows_, k * row_size_, places_ + p.late_from, p.late_to - p.late_from);
+        });
+      log_weight[k] = p.lost
+                          ? kNoWeight
+                          : tempered_log_weight(log_weight[k], p.sum, kLogLikelihoodUnit_nat, a_.tempering);
+      contest_.enter(log_weight[k]);
+    }
+  }
+
+  struct Partial {
+    std::int64_t sum;
+    std::size_t late_from, late_to;  ///< Its rays in the queue.
+    bool lost;
+  };
+  void add(Partial& p, std::size_t row, std::size_t first, std::size_t last) {
+    run_simd([&]() PARLOC_SIMD_LOOP { p.sum += scan_.sum(rows_ + row, first, last); });
+  }
+
+  const WeightArgs& a_;
+  const RayScan<Model>& scan_;
+  Contest& contest_;
+  const std::size_t beams_, row_size_;
+  alignas(64) float rows_[kRangeRoom] = {};
+  Travellers on_;
+  std::int32_t places_[kRangeRoom];
+  RayOrigin origins_[kMostTogether];
+  Partial partial_[kMostTogether];
 };
-
-/// Ranges of one particle into `row`, as long as it may win; false if it cannot any more. `sum` of its beams
-/// where it comes along.
-template <class Model>
-bool trace_while_open(const WeightArgs& a, const Model& model, const Beams& beams, std::size_t i,
-                      const RayOrigin& origin, const Most& most, const Contest& contest, float* row,
-                      Travellers& on, std::optional<std::int64_t>& sum) {
-  const float before = a.rays.particles.log_weight[i];
-  on.on.count = 0;
-  if (a.rays.caster != RayCaster::skip) {  // references, there to be compared with: they trace every beam
-    trace_first(a.rays, origin, 0, beams.count, row, on);
-    return true;
-  }
-  if (nothing_in_reach(a.rays, origin)) {
-    for (std::size_t m = 0; m < beams.count; ++m) row[m] = beams.range_max_m;
-    return true;
-  }
-  std::int64_t so_far = 0;
-  for (std::size_t first = 0; first < beams.count; first += kChunk) {
-    const std::size_t last = first + kChunk < beams.count ? first + kChunk : beams.count;
-    trace_first(a.rays, origin, first, last, row, on);
-    run_simd([&]()
-                 PARLOC_SIMD_LOOP { so_far += sum_of_rays(model, beams, most.of.data(), row, first, last); });
-    if (contest.lost(tempered_log_weight(before, so_far + most.of_those_after[first / kChunk],
-                                         kLogLikelihoodUnit_nat, a.tempering)))
-      return false;
-  }
-  if (on.on.count == 0)
-    sum = so_far;
-  else
-    trace_rest(a.rays, origin, row, on);
-  return true;
-}
-
-constexpr std::size_t kOrigins = 64;  // particles made ready for their rays at a time
 
 template <class Model>
 void weight_by_rays(const WeightArgs& a, const Model& model, Workers& workers) {
-  const RayTraceArgs& r = a.rays;
-  const Beams beams = beams_for_model(a);
-  const float* stored_m = r.expected_m;
-  float* log_weight = r.particles.log_weight;
-  const Most most(model, beams);
-  Contest contest(r.particles.capacity);
-  const auto loop = [&](std::size_t begin, std::size_t end) PARLOC_SIMD_LOOP {
-    alignas(64) float row[kRangeRoom];
-    Travellers on;
-    RayOrigin origins[kOrigins];
-    for (std::size_t i = begin; i < end; ++i) {
-      const std::size_t k = (i - begin) % kOrigins;
-      if (k == 0)
-        for (std::size_t n = 0; n < kOrigins && i + n < end; ++n) origins[n] = ray_origin(r, i + n);
-      std::optional<std::int64_t> sum;
-      if (stored_m == nullptr &&
-          !trace_while_open(a, model, beams, i, origins[k], most, contest, row, on, sum)) {
-        log_weight[i] = kNoWeight;
-        continue;
-      }
-      const float* expected_m = stored_m != nullptr ? stored_m + i * beams.count : row;
-      if (!sum) sum = sum_of_rays(model, beams, most.of.data(), expected_m, 0, beams.count);
-      log_weight[i] = tempered_log_weight(log_weight[i], *sum, kLogLikelihoodUnit_nat, a.tempering);
-      contest.enter(log_weight[i]);
-    }
-  };
-  parallel_blocks(r.particles.count(), workers.threads, 1, loop);
+  const RayScan<Model> scan(model, beams_for_model(a));
+  Contest contest(a.rays.particles.capacity);
+  const auto loop = [&](std::size_t begin, std::size_t end)
+                        PARLOC_SIMD_LOOP { RayWeigher<Model>(a, scan, contest).weigh(begin, end); };
+  parallel_blocks(a.rays.particles.count(), workers.threads, 1, loop);
 }
 
 void weight_by_field(const WeightArgs& a, Workers& workers) {

@@ -15,8 +15,7 @@ constexpr float kLogLikelihoodUnit_nat = 1.0f / kLogLikelihoodScale;
 constexpr float kLogLikelihoodFloor = -30000.0f;  // keeps one beam inside 32 bits
 
 PARLOC_HD std::int32_t fixed_log_likelihood(float log_likelihood) {
-  return static_cast<std::int32_t>(
-      round_even(max_of(log_likelihood, kLogLikelihoodFloor) * kLogLikelihoodScale));
+  return nearest_of(max_of(log_likelihood, kLogLikelihoodFloor) * kLogLikelihoodScale);
 }
 
 /// log-weight after a scan: previous + tempering * sum of the beams.

@@ -63,6 +63,18 @@ PARLOC_HD std::int32_t whole_of(float x) {
   return static_cast<std::int32_t>(bits_of(x + 12582912.0f)) - 0x4B400000;
 }
 
+/// The nearest integer to x, |x| < 2^31, ties to even. Without rint, which loops for CPUs without SSE4.1
+/// would have to call.
+PARLOC_HD std::int32_t nearest_of(float x) {
+#ifdef __CUDA_ARCH__
+  return __float2int_rn(x);
+#else
+  const float whole = x < 0.0f ? -8388608.0f : 8388608.0f;  // 2^23: from there on floats are whole
+  const float rounded = (x + whole) - whole;
+  return static_cast<std::int32_t>(__builtin_fabsf(x) < 8388608.0f ? rounded : x);
+#endif
+}
+
 /// exp(x); 0 below -87, +inf above 88.
 PARLOC_HD float portable_exp(float x) {
   const float xc = min_of(max_of(x, -87.0f), 88.0f);  // NaN takes -87 here and is the caller's to reject
@@ -95,6 +107,33 @@ PARLOC_HD float portable_log(float x) {
   return fused(e, 0.693359375f, m + y);
 }
 
+/// first x^n + ... + last as above, each step rounded twice.
+PARLOC_HD float plain_polynomial(float x, float first, auto... others) {
+  float sum = first;
+  ((sum = sum * x + others), ...);
+  return sum;
+}
+
+/// exp(x) for x <= 60; not below 2^-126, its value from -86.6 on.
+PARLOC_HD float quick_exp(float x) {
+  const float y = max_of(x * 1.44269504f, -125.0f);
+  const float shifted = y + 12582912.0f;  // the nearest whole number is in its low bits
+  const float r = y - (shifted - 12582912.0f);
+  const float p =
+      plain_polynomial(r, 1.3264725e-3f, 9.6715132e-3f, 5.5507338e-2f, 2.4022242e-1f, 6.9314698e-1f, 1.0f);
+  return float_of(bits_of(p) + (bits_of(shifted) << 23));  // times 2 to that number
+}
+
+/// log(x) of a positive normal number.
+PARLOC_HD float quick_log(float x) {
+  constexpr std::uint32_t kRootOfHalf = 0x3f3504f3u;
+  const std::int32_t e = static_cast<std::int32_t>(bits_of(x) - kRootOfHalf) >> 23;
+  const float f = float_of(bits_of(x) - (static_cast<std::uint32_t>(e) << 23)) - 1.0f;
+  const float q =
+      plain_polynomial(f, 1.1708034e-1f, -1.8496914e-1f, 2.0493811e-1f, -2.4936867e-1f, 3.3317432e-1f, -0.5f);
+  return (q * f) * f + f + static_cast<float>(e) * 0.693147181f;
+}
+
 struct SinCos {
   float sin;
   float cos;
@@ -119,9 +158,12 @@ PARLOC_HD SinCos portable_sincos(float x) {
 }
 
 /// log(erfc(x) exp(x^2) / t) of t = 1 / (1 + x / 2), x >= 0: a Chebyshev fit (Numerical Recipes, erfcc).
+PARLOC_HD float erfc_exponent(float t, auto of_coefficients) {
+  return of_coefficients(t, 0.17087277f, -0.82215223f, 1.48851587f, -1.13520398f, 0.27886807f, -0.18628806f,
+                         0.09678418f, 0.37409196f, 1.00002368f, -1.26551223f);
+}
 PARLOC_HD float erfc_exponent(float t) {
-  return polynomial(t, 0.17087277f, -0.82215223f, 1.48851587f, -1.13520398f, 0.27886807f, -0.18628806f,
-                    0.09678418f, 0.37409196f, 1.00002368f, -1.26551223f);
+  return erfc_exponent(t, [](float x, auto... c) { return polynomial(x, c...); });
 }
 
 /// Complementary error function of x >= 0; 0 beyond 9.
@@ -129,6 +171,12 @@ PARLOC_HD float portable_erfc(float x) {
   const float xc = min_of(x, 9.0f);
   const float t = 1.0f / fused(0.5f, xc, 1.0f);
   return t * portable_exp(fused(-xc, xc, erfc_exponent(t)));
+}
+PARLOC_HD float quick_erfc(float x) {
+  const float xc = min_of(x, 9.0f);
+  const float t = 1.0f / (0.5f * xc + 1.0f);
+  const float exponent = erfc_exponent(t, [](float at, auto... c) { return plain_polynomial(at, c...); });
+  return t * quick_exp(exponent - xc * xc);
 }
 
 /// log(1 - Phi(x)) of x >= 0, Phi the standard normal distribution. By way of erfcx, so that it has no end:

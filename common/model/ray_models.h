@@ -66,22 +66,22 @@ struct CensoredBeam {
 
   PARLOC_HD float hit(float measured_m, float short_density, float expected_m) const {
     const float g = (measured_m - expected_m) * inv_sigma;
-    const float short_mass = 1.0f - portable_exp(-lambda * max_of(expected_m, 1e-3f));
-    const float seen_wall = fused(hit_peak, portable_exp(-0.5f * (g * g)), rand_density);
+    const float short_mass = 1.0f - quick_exp(-lambda * max_of(expected_m, 1e-3f));
+    const float seen_wall = hit_peak * quick_exp(-0.5f * (g * g)) + rand_density;
     const float in_front = measured_m <= expected_m ? short_density / short_mass : 0.0f;
-    const float seen_nothing = fused(short_density, inv_short_mass_max, rand_density);
-    return portable_log(expected_m < range_max_m ? seen_wall + in_front : seen_nothing);
+    const float seen_nothing = short_density * inv_short_mass_max + rand_density;
+    return quick_log(expected_m < range_max_m ? seen_wall + in_front : seen_nothing);
   }
   PARLOC_HD float miss(float, float expected_m) const {
-    const float tail = 0.5f * portable_erfc((range_max_m - expected_m) * inv_sigma * 0.707106781f);
-    return portable_log(fused(z_hit, expected_m < range_max_m ? tail : 1.0f, z_max));
+    const float tail = 0.5f * quick_erfc((range_max_m - expected_m) * inv_sigma * 0.707106781f);
+    return quick_log(z_hit * (expected_m < range_max_m ? tail : 1.0f) + z_max);
   }
   /// Upper bounds of hit and miss over all expected ranges, with room for the rounding of exp and log.
   PARLOC_HD float most_of_hit(float measured_m, float short_density) const {
-    const float short_mass = 1.0f - portable_exp(-lambda * max_of(measured_m, 1e-3f));
-    return portable_log(hit_peak + rand_density + short_density / short_mass) + 1e-4f;
+    const float short_mass = 1.0f - quick_exp(-lambda * max_of(measured_m, 1e-3f));
+    return quick_log(hit_peak + rand_density + short_density / short_mass) + 1e-4f;
   }
-  PARLOC_HD float most_of_miss() const { return portable_log(z_hit + z_max) + 1e-4f; }
+  PARLOC_HD float most_of_miss() const { return quick_log(z_hit + z_max) + 1e-4f; }
 };
 
 /// A beam as seen by a whole cloud of particles: the map's part of the censored mixture, raised to how
@@ -94,23 +94,23 @@ struct ClassConditionalBeam {
   /// Density of a measured range if the beam saw the map.
   PARLOC_HD float map_density(float measured_m, float expected_m) const {
     const float g = (measured_m - expected_m) * mixture.inv_sigma;
-    const float seen_wall = fused(mixture.hit_peak, portable_exp(-0.5f * (g * g)), mixture.rand_density);
+    const float seen_wall = mixture.hit_peak * quick_exp(-0.5f * (g * g)) + mixture.rand_density;
     return expected_m < mixture.range_max_m ? seen_wall : mixture.rand_density;
   }
   /// And if something in front of the map stopped it.
   PARLOC_HD float unmapped_density(float measured_m, float short_density, float expected_m) const {
-    const float short_mass = 1.0f - portable_exp(-mixture.lambda * max_of(expected_m, 1e-3f));
+    const float short_mass = 1.0f - quick_exp(-mixture.lambda * max_of(expected_m, 1e-3f));
     return measured_m <= expected_m ? short_density / short_mass : 0.0f;
   }
 
   PARLOC_HD float hit(float measured_m, float share, float expected_m) const {
-    return share * portable_log(map_density(measured_m, expected_m));
+    return share * quick_log(map_density(measured_m, expected_m));
   }
   PARLOC_HD float miss(float measured_m, float expected_m) const {
     return mixture.miss(measured_m, expected_m);
   }
   PARLOC_HD float most_of_hit(float, float share) const {
-    return share * (portable_log(mixture.hit_peak + mixture.rand_density) + 1e-4f);
+    return share * (quick_log(mixture.hit_peak + mixture.rand_density) + 1e-4f);
   }
   PARLOC_HD float most_of_miss() const { return mixture.most_of_miss(); }
 };
@@ -134,7 +134,7 @@ inline CensoredBeam bind_censored(const SensorConfig& c, float range_max_m) {
           static_cast<float>(c.z_rand) / range_max_m,
           lambda,
           range_max_m,
-          1.0f / (1.0f - portable_exp(-lambda * range_max_m))};
+          1.0f / (1.0f - quick_exp(-lambda * range_max_m))};
 }
 
 /// All of them, bound for one scan.

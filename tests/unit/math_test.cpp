@@ -3,6 +3,9 @@
 
 #include <Random123/philox.h>
 
+#include <cmath>
+#include <limits>
+
 #include "common/filter/resampling.h"
 #include "common/math/philox.h"
 #include "common/math/portable64.h"
@@ -53,6 +56,38 @@ TEST(Portable, StaysWithinItsStatedErrors) {
     ASSERT_NEAR(portable_atan2_64(std::sin(0.37 * i), std::cos(0.11 * i)),
                 std::atan2(std::sin(0.37 * i), std::cos(0.11 * i)), 5e-16);
   }
+}
+
+TEST(Quick, StaysWithinItsStatedErrors) {
+  for (float x = -86.0f; x < 20.0f; x += 1.37e-3f)
+    ASSERT_NEAR(quick_exp(x) / std::exp(static_cast<double>(x)), 1.0, 3e-7 + 1e-7 * std::fabs(x)) << x;
+  for (float x = 1.2e-38f; x < 1e38f; x *= 1.00037f) {
+    const double exact = std::log(static_cast<double>(x));
+    ASSERT_NEAR(quick_log(x), exact, 6e-7 + 1.2e-7 * std::fabs(exact)) << x;
+  }
+  for (float x = 0.5f; x < 2.0f; x += 1e-5f)
+    ASSERT_NEAR(quick_log(x), std::log(static_cast<double>(x)), 6e-7) << x;
+  for (float x = 0.0f; x < 9.0f; x += 1e-3f)
+    ASSERT_NEAR(quick_erfc(x) / std::erfc(static_cast<double>(x)), 1.0, 1.2e-5) << x;
+}
+
+TEST(Portable, NearestOfIsRint) {
+  for (float x = 1e-3f; x < 2.1e9f; x *= 1.00071f)
+    for (const float at : {x, -x, std::floor(x) + 0.5f, -std::floor(x) - 0.5f})
+      ASSERT_EQ(nearest_of(at), static_cast<std::int32_t>(std::nearbyint(at))) << at;
+  EXPECT_EQ(nearest_of(0.0f), 0);
+  EXPECT_EQ(nearest_of(-1966080000.0f), -1966080000);
+}
+
+// What is too small for a float stays a normal number, so that its logarithm is one: never NaN or infinite.
+TEST(Quick, AnswersEverything) {
+  constexpr float kInfinity = std::numeric_limits<float>::infinity();
+  for (const float x : {-87.0f, -1e4f, -1e38f, -kInfinity, std::numeric_limits<float>::quiet_NaN()}) {
+    EXPECT_GE(quick_exp(x), 0x1p-126f) << x;
+    EXPECT_LE(quick_exp(x), 1e-37f) << x;
+  }
+  EXPECT_EQ(quick_exp(0.0f), 1.0f);
+  EXPECT_EQ(quick_log(1.0f), 0.0f);
 }
 
 // The C library's exp and log are right to one unit in the last place; so are these, then, to two.
