@@ -107,17 +107,18 @@ HWY_INLINE void start_rays(const RayMap& map, VF u, VF v, VF dx, VF dy, Rays& r)
   r.stride = hn::IfThenElse(steep_i, step_y, step_x);
   r.other_stride = hn::IfThenElse(steep_i, step_x, step_y);
   // sector_of; a slope on the edge of two sectors may fall in either: both are right for it
-  const VF part = hn::Min(hn::Floor(hn::Mul(hn::Mul(other_d, inv), hn::Set(f32, float{kSlopes}))),
-                          hn::Set(f32, float{kSlopes - 1}));
-  const VI octant = hn::Add(hn::IfThenElseZero(left_i, hn::Set(i32, kSlopes)),
-                            hn::Add(hn::IfThenElseZero(down_i, hn::Set(i32, 2 * kSlopes)),
-                                    hn::IfThenElseZero(steep_i, hn::Set(i32, 4 * kSlopes))));
+  const std::int32_t slopes = map.planes.slopes;
+  const VF cuts = hn::Set(f32, static_cast<float>(slopes));
+  const VF part = hn::Min(hn::Floor(hn::Mul(hn::Mul(other_d, inv), cuts)), hn::Sub(cuts, one));
+  const VI octant = hn::Add(hn::IfThenElseZero(left_i, hn::Set(i32, slopes)),
+                            hn::Add(hn::IfThenElseZero(down_i, hn::Set(i32, 2 * slopes)),
+                                    hn::IfThenElseZero(steep_i, hn::Set(i32, 4 * slopes))));
   const VI sector = hn::Add(octant, hn::Sub(whole_bits(part), hn::Set(i32, kWholeBits)));
   // Of cell 0 mirrored, which is cell -1: one step back. whole_bits() in leap() carries kWholeBits once per
   // axis; the product wraps around on purpose.
   const VI origin = hn::Add(hn::IfThenElseZero(left_i, step_x), hn::IfThenElseZero(down_i, step_y));
   const VI offset = hn::Mul(hn::Add(step_x, step_y), hn::Set(i32, kWholeBits));
-  r.base = hn::Add(hn::Sub(hn::Mul(sector, hn::Set(i32, map.skip_plane)), offset), origin);
+  r.base = hn::Add(hn::Sub(hn::Mul(sector, hn::Set(i32, map.planes.bytes)), offset), origin);
   r.tie = hn::IfThenElseZero(steep_i, one_byte);
   const auto other_down = hn::RebindMask(i32, hn::Or(hn::And(steep, left), hn::AndNot(steep, down)));
   r.least = hn::IfThenElseZero(other_down, hn::Set(i32, -1));

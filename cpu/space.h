@@ -7,6 +7,7 @@
 #include <utility>
 #include <vector>
 
+#include "common/math/zeroed_vector.h"
 #include "cpu/flow_stages.h"
 #include "cpu/slam_stages.h"
 #include "cpu/stages.h"
@@ -25,7 +26,8 @@ class Array {
     std::copy(host.begin(), host.end(), values_.begin());
   }
   /// As from_host, where the host needs it no more.
-  void take(std::vector<T>&& host, const Queue&) { values_ = std::move(host); }
+  void take(const std::vector<T>& host, const Queue&) { values_ = ZeroedVector<T>(host.begin(), host.end()); }
+  void take(ZeroedVector<T>&& host, const Queue&) { values_ = std::move(host); }
   std::vector<T> to_host(std::size_t count, const Queue&, std::size_t first = 0) const {
     const auto from = values_.begin() + static_cast<std::ptrdiff_t>(first);
     return {from, from + static_cast<std::ptrdiff_t>(count)};
@@ -35,7 +37,7 @@ class Array {
   void swap(Array& other) { values_.swap(other.values_); }
 
  private:
-  std::vector<T> values_;
+  ZeroedVector<T> values_;
 };
 
 /// Memory that the host fills in or reads, and the stages too: the same for both.
@@ -77,9 +79,8 @@ struct Space : FilterStages, FlowStages, SlamStages {
   template <class T>
   using Mirror = cpu::Mirror<T>;
 
-  /// 4 M cells, 100 x 100 m at 5 cm. A skip field by sector is worth it even out of the caches: 13 times on
-  /// the office floor (25 MB).
-  static constexpr std::size_t kMostSkipBytes = std::size_t{128} << 20;
+  /// A skip field by sector is worth it even out of the caches: 13 times on the office floor (25 MB).
+  static constexpr std::size_t kMostSkipBytes = std::size_t{2} << 30;
   /// A particle is given up as soon as it cannot win any more: its first beams should tell most.
   static constexpr bool kGivesUpEarly = true;
   /// Cumulative weights are plain sums.

@@ -6,6 +6,7 @@
 #include <cstdlib>
 #include <cstring>
 #include <new>
+#include <span>
 #include <utility>
 #include <vector>
 
@@ -113,7 +114,8 @@ template <class T>
 class DeviceBuffer : public Buffer<T, device_alloc, device_free> {
  public:
   /// Waits: the host's memory may go, or be written, at once.
-  void from_host(const std::vector<T>& host, Stream s) {
+  void from_host(const std::vector<T>& host, Stream s) { from_host(std::span<const T>(host), s); }
+  void from_host(std::span<const T> host, Stream s) {
     this->reserve(host.size());
     if (host.empty()) return;
     copy_down(this->data(), host.data(), host.size() * sizeof(T), s);
@@ -126,7 +128,7 @@ class DeviceBuffer : public Buffer<T, device_alloc, device_free> {
     return host;
   }
   /// As from_host, where the host needs it no more.
-  void take(std::vector<T>&& host, Stream s) { from_host(host, s); }
+  void take(std::span<const T> host, Stream s) { from_host(host, s); }
   /// As reserve, but what it held is kept.
   void grow(std::size_t size, Stream s) {
     if (size <= this->size()) return;

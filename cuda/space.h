@@ -58,7 +58,7 @@ struct Space : FilterStages, FlowStages, SlamStages {
 
   /// A skip field by sector up to this size: 8 M cells. Its planes do not fit the first-level caches, and
   /// yet it is worth it: a third of the leaps, and lanes of a warp that end together (docs/results/gpu.md).
-  static constexpr std::size_t kMostSkipBytes = std::size_t{256} << 20;
+  static constexpr std::size_t kMostSkipBytes = std::size_t{2} << 30;
   static constexpr bool kGivesUpEarly = false;
   /// Cumulative weights are sums within blocks, and what comes before each block: whoever looks one up adds
   /// the two, so that no kernel has to come between to do it for all.

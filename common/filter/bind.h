@@ -18,7 +18,7 @@ const T* first_cell(const T* padded, const GridMap& map) {
 }
 
 /// `skip`: lines of a skip field (common/map/rays/skip_field.h), or null for models that cast no rays.
-inline RayMap bind_ray_map(const std::uint8_t* skip, std::int32_t skip_plane, const GridMap& map,
+inline RayMap bind_ray_map(const std::uint8_t* skip, SkipPlanes planes, const GridMap& map,
                            const Walls& walls = {}) {
   return {first_cell(skip, map),
           map.width,
@@ -26,7 +26,7 @@ inline RayMap bind_ray_map(const std::uint8_t* skip, std::int32_t skip_plane, co
           map.width + 2,
           static_cast<float>(map.resolution_m),
           static_cast<float>(1.0 / map.resolution_m),
-          skip_plane,
+          planes,
           walls};
 }
 

@@ -14,7 +14,7 @@ PoseRays::PoseRays(const GridMap& map, bool unknown_blocks) {
   const std::vector<std::uint8_t> blocks =
       map.walls.empty() ? blocking_cells(map, unknown_blocks) : std::move(walls_.blocks);
   skip_ = skip_field(blocks.data(), map.width, map.height, 0).lines;
-  map_ = bind_ray_map(skip_.data(), 0, map, walls_.view());
+  map_ = bind_ray_map(skip_.data(), {}, map, walls_.view());
 }
 
 void PoseRays::cast(const BeamTable& beams, const Pose& pose, std::vector<float>& expected_m) const {

@@ -23,7 +23,7 @@ class PoseRays {
 
  private:
   WallIndex walls_;
-  std::vector<std::uint8_t> skip_;
+  ZeroedVector<std::uint8_t> skip_;
   RayMap map_;
 };
 

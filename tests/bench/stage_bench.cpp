@@ -148,7 +148,7 @@ void ray_trace(benchmark::State& state, const Case& c) {
   std::vector<float> expected_m(set.x.size() * rig.beams.count);
   RayTraceArgs args =
       bind_rays({set.x.data(), set.y.data(), set.theta.data(), set.log_weight.data(), &count, count},
-                bind_ray_map(skip.lines.data(), skip.plane, map), bind_beams(rig.beams), c.sensor);
+                bind_ray_map(skip.lines.data(), skip.planes, map), bind_beams(rig.beams), c.sensor);
   StepInput input;
   input.scan = rig.beams;
   args.input = &input;

@@ -27,16 +27,23 @@ GridMap pillars(std::uint32_t seed) {
   return grid_from_text(rows, 0.25);
 }
 
+constexpr std::int32_t kSlopeCounts[] = {kSlopes, kSlopes / 2, 0};
+
 struct Field {
-  Field(const GridMap& grid, bool by_sector)
-      : skip(skip_field(blocking_cells(grid, true).data(), grid.width, grid.height, by_sector ? 1 << 20 : 0)),
+  /// Slopes: 0 for one plane that serves all directions.
+  Field(const GridMap& grid, std::int32_t slopes)
+      : skip(skip_field(
+            blocking_cells(grid, true).data(), grid.width, grid.height,
+            slopes == 0 ? 0
+                        : static_cast<std::size_t>((grid.width + 2) * (grid.height + 2) * (8 * slopes + 1)),
+            2)),
         map{skip.lines.data() + grid.width + 3,
             grid.width,
             grid.height,
             grid.width + 2,
             0.25f,
             4.0f,
-            skip.plane,
+            skip.planes,
             {}} {}
   SkipField skip;
   RayMap map;
@@ -64,8 +71,8 @@ bool free_for(const RayMap& map, const Ray& ray, std::int32_t i, std::int32_t j,
 TEST(SkipField, KeepsItsPromiseInEverySector) {
   std::mt19937 random(5);
   const GridMap grid = pillars(3);
-  for (const bool by_sector : {true, false}) {
-    const Field field(grid, by_sector);
+  for (const std::int32_t slopes : kSlopeCounts) {
+    const Field field(grid, slopes);
     double promised = 0.0;
     for (int k = 0; k < 300'000; ++k) {
       const std::int32_t i = static_cast<std::int32_t>(random() % 53),
@@ -79,7 +86,8 @@ TEST(SkipField, KeepsItsPromiseInEverySector) {
           make_ray(static_cast<float>(i) + fraction(), static_cast<float>(j) + fraction(), d.cos, d.sin);
       const std::int32_t octant = octant_of(ray.dx, ray.dy);
       const float slope = __builtin_fabsf((octant & 4) != 0 ? ray.dx / ray.dy : ray.dy / ray.dx);
-      const std::uint8_t* plane = field.map.skip + sector_of(octant, slope) * field.map.skip_plane;
+      const std::uint8_t* plane =
+          field.map.skip + sector_of(octant, slope, field.map.planes.slopes) * field.map.planes.bytes;
       const std::int32_t lines = plane[j * field.map.stride + i];
       ASSERT_GE(lines, 1);
       promised += lines;
@@ -87,15 +95,15 @@ TEST(SkipField, KeepsItsPromiseInEverySector) {
         ASSERT_TRUE(free_for(field.map, ray, i, j, lines)) << ray.u << " " << ray.v << " " << lines;
       }
     }
-    EXPECT_GT(promised / 300'000, by_sector ? 5.0 : 1.2);  // it promises something
+    EXPECT_GT(promised / 300'000, slopes == 0 ? 1.2 : slopes == 2 ? 4.0 : 5.0);  // it promises something
   }
 }
 
 TEST(SkipField, IsZeroOnWallsTheRingAndTheTail) {
   const GridMap grid = pillars(4);
-  for (const bool by_sector : {true, false}) {
-    const Field field(grid, by_sector);
-    const std::size_t planes = by_sector ? kSectors + 1 : 1, plane = 55 * 39;
+  for (const std::int32_t slopes : kSlopeCounts) {
+    const Field field(grid, slopes);
+    const std::size_t planes = static_cast<std::size_t>(slopes == 0 ? 1 : 8 * slopes + 1), plane = 55 * 39;
     ASSERT_EQ(field.skip.lines.size(), planes * plane + kSkipFieldTail);
     for (std::size_t p = 0; p < planes; ++p) {
       for (std::int32_t j = -1; j <= grid.height; ++j) {
@@ -113,15 +121,24 @@ TEST(SkipField, IsZeroOnWallsTheRingAndTheTail) {
 
 TEST(SkipField, KnowsTheLeastOfAllSectors) {
   const GridMap grid = pillars(6);
-  const Field field(grid, true);
+  const Field field(grid, kSlopes);
   for (std::int32_t j = 0; j < grid.height; ++j) {
     for (std::int32_t i = 0; i < grid.width; ++i) {
       int least = 255;
-      for (std::int32_t s = 0; s < kSectors; ++s)
-        least = std::min<int>(least, field.map.skip[s * field.map.skip_plane + j * field.map.stride + i]);
+      for (std::int32_t s = 0; s < 8 * kSlopes; ++s)
+        least = std::min<int>(least, field.map.skip[s * field.map.planes.bytes + j * field.map.stride + i]);
       ASSERT_EQ(field.map.free_lines_at(i, j), least) << i << " " << j;
     }
   }
+}
+
+TEST(SkipField, IsTheSameOnAnyNumberOfThreads) {
+  const GridMap grid = pillars(7);
+  const std::vector<std::uint8_t> blocks = blocking_cells(grid, true);
+  const SkipField one = skip_field(blocks.data(), grid.width, grid.height, 1 << 20, 1);
+  for (const int threads : {0, 2, 3, 64})
+    EXPECT_EQ(skip_field(blocks.data(), grid.width, grid.height, 1 << 20, threads).lines, one.lines)
+        << threads;
 }
 
 TEST(SkipField, CountsUpTo255Lines) {
@@ -171,11 +188,11 @@ void expect_same_hit(const RayMap& map, const Ray& ray, float reach_cells, int& 
 
 TEST(RayCast, SkippingHitsTheCellThatCellByCellHits) {
   std::mt19937 random(11);
-  for (const bool by_sector : {true, false}) {
+  for (const std::int32_t slopes : kSlopeCounts) {
     int hits = 0;
     for (std::uint32_t seed = 1; seed <= 5; ++seed) {
-      const Field field(pillars(seed), by_sector);
-      ASSERT_EQ(field.map.skip_plane > 0, by_sector);
+      const Field field(pillars(seed), slopes);
+      ASSERT_EQ(field.map.planes.bytes > 0, slopes > 0);
       for (int k = 0; k < 100'000 && !HasFatalFailure(); ++k)
         expect_same_hit(field.map, random_ray(random, field.map), k % 2 == 0 ? 200.0f : 12.3f, hits);
     }

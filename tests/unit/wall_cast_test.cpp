@@ -103,7 +103,7 @@ struct Indexed {
   explicit Indexed(const GridMap& map)
       : index(index_walls(map)),
         skip(skip_field(index.blocks.data(), map.width, map.height, 16 << 20)),
-        ray_map(bind_ray_map(skip.lines.data(), skip.plane, map, index.view())) {}
+        ray_map(bind_ray_map(skip.lines.data(), skip.planes, map, index.view())) {}
   WallIndex index;
   SkipField skip;
   RayMap ray_map;

@@ -68,7 +68,7 @@ class FilterEngine final : public FilterBackend {
   void set_map(const GridMap& map) override {
     run_planned();
     MapTables<Space> tables;  // beside the old ones, which stay if there is no memory for these
-    tables.set_map(map, config_.sensor, config_.injects(), queue_);
+    tables.set_map(map, config_.sensor, config_.injects(), config_.threads, queue_);
     recordings_.forget();  // they know the old map's place
     tables_ = std::move(tables);
   }

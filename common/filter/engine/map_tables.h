@@ -17,7 +17,8 @@ class MapTables {
  public:
   using Queue = typename Space::Queue;
 
-  void set_map(const GridMap& map, const SensorConfig& sensor, bool injects, Queue& queue) {
+  /// `threads`: of the host, while tables are made; 0: all cores.
+  void set_map(const GridMap& map, const SensorConfig& sensor, bool injects, int threads, Queue& queue) {
     map_ = map;
     if (!casts_rays(sensor.model)) field_.reserve(table_size(map.width, map.height));
     if (injects) {
@@ -26,7 +27,7 @@ class MapTables {
       free_cells_.take(std::move(cells), queue);
     }
     if (casts_rays(sensor.model))
-      prepare_rays(map, sensor, queue);
+      prepare_rays(map, sensor, threads, queue);
     else
       measure_distances(map, queue);
     wall_count_ = static_cast<std::uint32_t>(map.walls.size());
@@ -48,7 +49,7 @@ class MapTables {
 
   RayMap ray_map() {
     const Walls walls{walls_.data(), wall_ids_.data(), wall_first_.data(), wall_count_};
-    return bind_ray_map(skip_.data(), skip_plane_, map_, walls);
+    return bind_ray_map(skip_.data(), skip_planes_, map_, walls);
   }
   LikelihoodField field(const SensorConfig& sensor) {
     return bind_field(field_.data(), field_unit_nat_, sensor, map_);
@@ -70,12 +71,12 @@ class MapTables {
     Space::squared_distance_field(occupied.data(), map.width, map.height, squared_distance_.data(), queue);
     queue.wait();  // before `occupied` goes
   }
-  void prepare_rays(const GridMap& map, const SensorConfig& sensor, Queue& queue) {
+  void prepare_rays(const GridMap& map, const SensorConfig& sensor, int threads, Queue& queue) {
     WallIndex index = map.walls.empty() ? WallIndex{} : index_walls(map);
     const std::vector<std::uint8_t> blocks =
         map.walls.empty() ? blocking_cells(map, sensor.unknown_blocks) : std::move(index.blocks);
-    SkipField skip = skip_field(blocks.data(), map.width, map.height, Space::kMostSkipBytes);
-    skip_plane_ = skip.plane;
+    SkipField skip = skip_field(blocks.data(), map.width, map.height, Space::kMostSkipBytes, threads);
+    skip_planes_ = skip.planes;
     skip_.take(std::move(skip.lines), queue);
     walls_.take(std::move(index.walls), queue);
     wall_ids_.take(std::move(index.ids), queue);
@@ -85,7 +86,7 @@ class MapTables {
   GridMap map_;  // without its cells and walls
   Array<std::uint32_t> squared_distance_;
   Array<std::uint8_t> skip_;
-  std::int32_t skip_plane_ = 0;
+  SkipPlanes skip_planes_;
   Array<RayWall> walls_;
   Array<std::uint32_t> wall_ids_, wall_first_;
   std::uint32_t wall_count_ = 0;

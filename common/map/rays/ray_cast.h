@@ -38,7 +38,7 @@ struct RayMap {
   std::int32_t stride = 0;
   float resolution_m = 0.0f;
   float inv_resolution = 0.0f;
-  std::int32_t skip_plane = 0;  ///< Bytes between the planes of two sectors; 0: one plane for all directions.
+  SkipPlanes planes;
   Walls walls;  ///< If there are any, a blocking cell is one where a ray has to look for them.
 
   PARLOC_HD std::int32_t skip_at(std::int32_t i, std::int32_t j) const {
@@ -46,7 +46,7 @@ struct RayMap {
   }
   /// Lines that a ray of any direction crosses from the cell before it can meet a blocking cell.
   PARLOC_HD std::int32_t free_lines_at(std::int32_t i, std::int32_t j) const {
-    return skip[(skip_plane > 0 ? kSectors : 0) * static_cast<std::int64_t>(skip_plane) +
+    return skip[8 * planes.slopes * static_cast<std::int64_t>(planes.bytes) +
                 static_cast<std::int64_t>(j) * stride + i];
   }
   PARLOC_HD bool contains_point(float u, float v) const {  // [cells]
@@ -208,7 +208,8 @@ PARLOC_HD RayHit skip_from(const RayMap& m, const Ray& r, const RayStart& s, flo
   const LeapAxis main = steep ? y : x, side = steep ? x : y;
   // Places inside a plane, whose corner is in front of cell (0, 0), fit 32 bits (kMaxMapSide).
   const std::uint8_t* plane =
-      m.skip - m.stride - 1 + static_cast<std::int64_t>(sector_of(octant, slope)) * m.skip_plane;
+      m.skip - m.stride - 1 +
+      static_cast<std::int64_t>(sector_of(octant, slope, m.planes.slopes)) * m.planes.bytes;
   const std::uint32_t stride = static_cast<std::uint32_t>(m.stride);
   const std::uint32_t step_x = x.down() ? 0u - 1u : 1u, step_y = y.down() ? 0u - stride : stride;
   const std::uint32_t step = steep ? step_y : step_x, side_step = steep ? step_x : step_y;

@@ -1,8 +1,12 @@
 #include "common/map/rays/skip_field.h"
 
 #include <algorithm>
+#include <atomic>
 #include <cmath>
+#include <exception>
+#include <mutex>
 #include <string>
+#include <thread>
 #include <utility>
 
 #include "common/error.h"
@@ -54,7 +58,7 @@ void chebyshev_distances(const std::uint8_t* blocks, std::int32_t width, std::in
 
 /// All cells nearer than d are free. In k columns a ray of any direction climbs at most k + 1 rows, and where
 /// it meets a corner one more: with k = d - 2 it stays among them.
-void lines_of_distances(std::vector<std::uint8_t>& plane) {
+void lines_of_distances(ZeroedVector<std::uint8_t>& plane) {
   for (std::uint8_t& d : plane) d = d > 2 ? static_cast<std::uint8_t>(d - 2) : least(d, 1);
 }
 
@@ -78,71 +82,121 @@ View view_of(std::int32_t octant, std::ptrdiff_t width, std::ptrdiff_t height, s
   return {origin, steep ? y : x, steep ? x : y};
 }
 
-/// Answers whether a stretch of a column (one a, several b) is free. Outside the grid everything blocks.
+/// How far up from each cell its column is free: a stretch of it is, if its lowest cell sees as far as that.
+/// Outside the grid everything blocks.
 class Columns {
  public:
   Columns(const std::uint8_t* blocks, const View& view, std::int32_t main_size, std::int32_t other_size)
-      : main_size_(main_size),
-        other_size_(other_size),
-        height_(static_cast<std::size_t>(other_size) + 1),
-        before_(static_cast<std::size_t>(main_size) * height_) {
+      : height_(static_cast<std::size_t>(other_size) + kMostLines + 2),
+        free_(static_cast<std::size_t>(main_size) * height_) {
     for (std::int32_t a = 0; a < main_size; ++a) {
       const std::uint8_t* cell = blocks + view.origin + a * view.main;
-      std::uint16_t* before = before_.data() + static_cast<std::size_t>(a) * height_;
-      for (std::int32_t b = 0; b < other_size; ++b)
-        before[b + 1] = static_cast<std::uint16_t>(before[b] + (cell[b * view.other] != 0 ? 1 : 0));
+      std::uint8_t* free = free_.data() + static_cast<std::size_t>(a) * height_;
+      std::uint8_t above = 0;
+      for (std::int32_t b = other_size - 1; b >= 0; --b)
+        free[b] = above = cell[b * view.other] != 0 ? std::uint8_t{0} : one_more(above);
     }
   }
-  /// Rows low to high, both included; low and high at least 0.
-  bool free(std::int32_t a, std::int32_t low, std::int32_t high) const {
-    if (a >= main_size_ || high >= other_size_) return false;
-    const std::uint16_t* before = before_.data() + static_cast<std::size_t>(a) * height_;
-    return before[low] == before[high + 1];
+  /// Bytes from a column to the next. Rows up to kMostLines + 1 beyond the grid may be asked for.
+  std::size_t height() const { return height_; }
+  /// Cells that are free from (a, b) upwards, itself included; at most 255.
+  const std::uint8_t* free_from(std::int32_t a, std::int32_t b = 0) const {
+    return free_.data() + static_cast<std::size_t>(a) * height_ + b;
   }
 
  private:
-  std::int32_t main_size_, other_size_;
   std::size_t height_;
-  std::vector<std::uint16_t> before_;  // [a][b] blocking cells below row b
+  std::vector<std::uint8_t> free_;
 };
 
-/// The rows, relative to its own, that a ray of a slope interval can be in when it is k columns on.
+/// The rows, relative to its own, that a ray of a slope interval can be in when it is k columns on: where
+/// the lowest of them is in Columns, seen from the ray's own cell, and how many there are.
 struct Rows {
-  std::int32_t low[kMostLines + 1], high[kMostLines + 1];
-  explicit Rows(std::int32_t part) {
-    const double flattest = static_cast<double>(part) / kSlopes,
-                 steepest = static_cast<double>(part + 1) / kSlopes;
-    for (std::int32_t k = 0; k <= kMostLines; ++k) {
-      low[k] = static_cast<std::int32_t>(std::floor(std::max(0.0, flattest * (k - 1) - kMargin_cells)));
-      high[k] = static_cast<std::int32_t>(std::floor(1.0 + steepest * (k + 1) + kMargin_cells));
+  std::size_t lowest[kMostLines];
+  std::int32_t count[kMostLines];
+  Rows(std::int32_t part, std::int32_t slopes, std::size_t height) {
+    const double flattest = static_cast<double>(part) / slopes,
+                 steepest = static_cast<double>(part + 1) / slopes;
+    for (std::int32_t k = 0; k < kMostLines; ++k) {
+      const double low = std::floor(std::max(0.0, flattest * (k - 1) - kMargin_cells));
+      const double high = std::floor(1.0 + steepest * (k + 1) + kMargin_cells);
+      lowest[k] = static_cast<std::size_t>(k) * height + static_cast<std::size_t>(low);
+      count[k] = static_cast<std::int32_t>(high - low) + 1;  // at most 255 / 2 + 3
     }
   }
 };
-
-/// Lines from cell (a, b), whose own column's stretch is free; `known` of them are known already.
-std::int32_t lines_from(const Columns& columns, const Rows& rows, std::int32_t a, std::int32_t b,
-                        std::int32_t known) {
-  std::int32_t k = known;
-  while (k < kMostLines && columns.free(a + k, b + rows.low[k], b + rows.high[k])) ++k;
-  return k;
-}
 
 void fill_sector(const Columns& columns, const Rows& rows, std::int32_t main_size, std::int32_t other_size,
                  const View& out, std::uint8_t* plane) {
   // What both cells (a + 1, b) and (a + 1, b + 1) promise holds from (a, b) too, one line later: `next` are
   // their lines, so that few columns are looked at twice.
-  std::vector<std::int32_t> next(static_cast<std::size_t>(other_size) + 1, 0), here(next);
+  std::vector<std::uint8_t> next(static_cast<std::size_t>(other_size) + 1, 0), here(next);
   for (std::int32_t a = main_size - 1; a >= 0; --a) {
+    const std::uint8_t* column = columns.free_from(a);
+    const std::int32_t most = std::min(kMostLines, main_size - a);
     for (std::int32_t b = 0; b < other_size; ++b) {
+      here[b] = 0;
+      if (column[b] == 0) continue;
+      const std::uint8_t* from = column + b;
+      const auto is_free = [&](std::int32_t k) { return from[rows.lowest[k]] >= rows.count[k]; };
       std::int32_t lines = 0;
-      if (columns.free(a, b + rows.low[0], b + rows.high[0]))
-        lines = lines_from(columns, rows, a, b, std::min(kMostLines, 1 + std::min(next[b], next[b + 1])));
-      here[b] = lines;
-      if (columns.free(a, b, b))
-        plane[out.origin + a * out.main + b * out.other] = static_cast<std::uint8_t>(std::max(lines, 1));
+      if (is_free(0)) {
+        lines = std::min(most, 1 + std::min<std::int32_t>(next[b], next[b + 1]));
+        while (lines < most && is_free(lines)) ++lines;
+      }
+      here[b] = static_cast<std::uint8_t>(lines);
+      plane[out.origin + a * out.main + b * out.other] = static_cast<std::uint8_t>(std::max(lines, 1));
     }
     std::swap(here, next);
   }
+}
+
+/// All sectors of an octant.
+void fill_octant(const std::uint8_t* blocks, std::int32_t width, std::int32_t height, std::int32_t octant,
+                 SkipField& field) {
+  const bool steep = (octant & 4) != 0;
+  const std::int32_t main_size = steep ? height : width, other_size = steep ? width : height;
+  const Columns columns(blocks, view_of(octant, width, height, 0), main_size, other_size);
+  for (std::int32_t part = 0; part < field.planes.slopes; ++part)
+    fill_sector(columns, Rows(part, field.planes.slopes, columns.height()), main_size, other_size,
+                view_of(octant, width, height, 1),
+                field.lines.data() + static_cast<std::size_t>(field.planes.bytes) *
+                                         static_cast<std::size_t>(octant * field.planes.slopes + part));
+}
+
+/// The plane behind those of the sectors: the least of them, of cells [from, to) of a plane.
+void fill_least(SkipField& field, std::size_t from, std::size_t to) {
+  const std::size_t plane = static_cast<std::size_t>(field.planes.bytes);
+  const std::int32_t sectors = 8 * field.planes.slopes;
+  std::uint8_t* all = field.lines.data() + plane * static_cast<std::size_t>(sectors);
+  for (std::int32_t s = 0; s < sectors; ++s) {
+    const std::uint8_t* sector = field.lines.data() + plane * static_cast<std::size_t>(s);
+    for (std::size_t c = from; c < to; ++c) all[c] = s == 0 ? sector[c] : least(all[c], sector[c]);
+  }
+}
+
+/// task(k) for each k in [0, count), on so many threads. The first exception is thrown again.
+template <class Task>
+void run_tasks(std::size_t count, int threads, const Task& task) {
+  std::atomic<std::size_t> taken = 0;
+  std::exception_ptr fault;
+  std::mutex one_fault;
+  const auto work = [&] {
+    for (std::size_t k = taken++; k < count; k = taken++) try {
+        task(k);
+      } catch (...) {
+        const std::lock_guard lock(one_fault);
+        if (!fault) fault = std::current_exception();
+      }
+  };
+  {
+    std::vector<std::jthread> team;
+    const std::size_t wanted =
+        threads > 0 ? static_cast<std::size_t>(threads) : std::thread::hardware_concurrency();
+    for (std::size_t t = 1; t < std::min(wanted, count); ++t) team.emplace_back(work);
+    work();
+  }
+  if (fault) std::rethrow_exception(fault);
 }
 
 void check(std::int32_t width, std::int32_t height) {
@@ -156,32 +210,27 @@ void check(std::int32_t width, std::int32_t height) {
 }  // namespace
 
 SkipField skip_field(const std::uint8_t* blocks, std::int32_t width, std::int32_t height,
-                     std::size_t most_bytes) {
+                     std::size_t most_bytes, int threads) {
   check(width, height);
   const std::size_t plane = (static_cast<std::size_t>(width) + 2) * (static_cast<std::size_t>(height) + 2);
   SkipField field;
-  if (plane * (kSectors + 1) > most_bytes) {
-    field.lines.assign(plane + kSkipFieldTail, 0);
+  most_bytes = std::min(most_bytes, std::size_t{0x7fffffff} - kSkipFieldTail);  // lanes look up at 32 bits
+  for (const std::int32_t slopes : {kSlopes, kSlopes / 2})
+    if (field.planes.bytes == 0 && plane * static_cast<std::size_t>(8 * slopes + 1) <= most_bytes)
+      field.planes = {static_cast<std::int32_t>(plane), slopes};
+  if (field.planes.bytes == 0) {
+    field.lines.resize(plane + kSkipFieldTail);
     chebyshev_distances(blocks, width, height, field.lines.data() + width + 3);
     lines_of_distances(field.lines);
     return field;
   }
-  field.plane = static_cast<std::int32_t>(plane);
-  field.lines.assign(plane * (kSectors + 1) + kSkipFieldTail, 0);
-  for (std::int32_t octant = 0; octant < 8; ++octant) {
-    const bool steep = (octant & 4) != 0;
-    const std::int32_t main_size = steep ? height : width, other_size = steep ? width : height;
-    const Columns columns(blocks, view_of(octant, width, height, 0), main_size, other_size);
-    for (std::int32_t part = 0; part < kSlopes; ++part)
-      fill_sector(columns, Rows(part), main_size, other_size, view_of(octant, width, height, 1),
-                  field.lines.data() + plane * static_cast<std::size_t>(octant * kSlopes + part));
-  }
-  std::uint8_t* all = field.lines.data() + plane * kSectors;
-  std::copy_n(field.lines.data(), plane, all);
-  for (std::size_t s = 1; s < kSectors; ++s) {
-    const std::uint8_t* sector = field.lines.data() + plane * s;
-    for (std::size_t c = 0; c < plane; ++c) all[c] = least(all[c], sector[c]);
-  }
+  field.lines.resize(plane * static_cast<std::size_t>(8 * field.planes.slopes + 1) + kSkipFieldTail);
+  run_tasks(8, threads, [&](std::size_t octant) {
+    fill_octant(blocks, width, height, static_cast<std::int32_t>(octant), field);
+  });
+  constexpr std::size_t kPart = std::size_t{1} << 16;  // of a plane: 33 of them fit into a cache
+  run_tasks((plane + kPart - 1) / kPart, threads,
+            [&](std::size_t k) { fill_least(field, k * kPart, std::min(plane, (k + 1) * kPart)); });
   return field;
 }
 

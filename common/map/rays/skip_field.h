@@ -8,16 +8,15 @@
 
 #include <cstddef>
 #include <cstdint>
-#include <vector>
 
 #include "common/math/host_device.h"
+#include "common/math/zeroed_vector.h"
 
 namespace parloc {
 
-/// Sectors: 8 octants, by the signs of dx and dy and by which is the larger, each of them cut into kSlopes
-/// equal intervals of the slope.
+/// Slopes that the sectors of an octant are cut into, at most: 8 octants, by the signs of dx and dy and by
+/// which is the larger, each of them cut into equal intervals of the slope. Large maps have half as many.
 inline constexpr std::int32_t kSlopes = 4;
-inline constexpr std::int32_t kSectors = 8 * kSlopes;
 
 /// Bytes after the last cell of a skip field, so that a 32-bit load at any cell stays inside the array.
 inline constexpr std::size_t kSkipFieldTail = 4;
@@ -30,25 +29,32 @@ PARLOC_HD std::int32_t octant_of(float dx, float dy) {
 
 /// Sector of a direction that is not zero. `slope`: smaller component over the larger, absolute; a slope on
 /// the edge of two sectors may be in either, the table is right for both.
-PARLOC_HD std::int32_t sector_of(std::int32_t octant, float slope) {
-  const std::int32_t part = static_cast<std::int32_t>(slope * static_cast<float>(kSlopes));
-  return octant * kSlopes + (part < kSlopes ? part : kSlopes - 1);
+PARLOC_HD std::int32_t sector_of(std::int32_t octant, float slope, std::int32_t slopes) {
+  const std::int32_t part = static_cast<std::int32_t>(slope * static_cast<float>(slopes));
+  return octant * slopes + (part < slopes ? part : slopes - 1);
 }
 
+/// How the table is laid out: what a ray needs to find its plane.
+struct SkipPlanes {
+  std::int32_t bytes = 0;   ///< From a sector's plane to the next; 0 if one plane serves all directions.
+  std::int32_t slopes = 1;  ///< Sectors of an octant.
+};
+
 struct SkipField {
-  /// By sector kSectors + 1 planes, the last of which has the least of the others, else one plane.
+  /// By sector 8 * planes.slopes + 1 planes, the last of which has the least of the others, else one plane.
   /// Planes of (width + 2) x (height + 2) bytes: the grid with a ring of zeros around it, row-major, cell (i,
   /// j) at (j + 1) * (width + 2) + (i + 1); then the tail. 0 on blocking cells and the ring. Elsewhere the
   /// number of lines, 1 to 255; 1 promises nothing beyond the cell itself.
-  std::vector<std::uint8_t> lines;
-  std::int32_t plane = 0;  ///< Bytes from a sector's plane to the next; 0 if one plane serves all directions.
+  ZeroedVector<std::uint8_t> lines;
+  SkipPlanes planes;
 };
 
 /// blocks: width * height, row-major, nonzero blocks; width and height 1 to kMaxMapSide (map_limits.h), else
-/// Error{internal}. By sector if that takes at most `most_bytes`, else one plane for all directions, from the
-/// Chebyshev distance to the nearest blocking cell (two-pass chamfer, Rosenfeld and Pfaltz 1968). Serial,
-/// linear time; the same on every machine.
+/// Error{internal}. By sector of kSlopes or half as many slopes if that takes at most `most_bytes`, else one
+/// plane for all directions, from the Chebyshev distance to the nearest blocking cell (two-pass chamfer,
+/// Rosenfeld and Pfaltz 1968). Linear time, on so many threads (0: all cores); the same on every machine.
+/// std::bad_alloc.
 SkipField skip_field(const std::uint8_t* blocks, std::int32_t width, std::int32_t height,
-                     std::size_t most_bytes);
+                     std::size_t most_bytes, int threads = 1);
 
 }  // namespace parloc
