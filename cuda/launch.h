@@ -65,21 +65,44 @@ __device__ __forceinline__ bool is_last_to_arrive(std::uint32_t* arrived, bool& 
   return last;
 }
 
+/// The first so many phases are written out, so that no thread has to ask in which it is; all or those in
+/// front of the join, where their number is known to the compiler and small.
+template <class Kernel>
+constexpr int written_out() {
+  int phases = 0;
+  if constexpr (requires { Kernel::kJoin; })
+    phases = Kernel::kJoin;
+  else if constexpr (requires { Kernel::kPhases; })
+    phases = Kernel::kPhases;
+  return phases <= 8 ? phases : 0;
+}
+
+/// Returns whether the block goes on.
+template <class Kernel>
+__device__ __forceinline__ bool run_phase(const Kernel& kernel, const Thread& me, int phase,
+                                          typename Kernel::Shared& shared) {
+  bool alone = false;
+  if constexpr (Joining<Kernel>) {
+    alone = phase == kernel.join_phase();
+    if (alone && !is_last_to_arrive(kernel.arrived, shared.last)) return false;
+  }
+  if (phase > 0 && !alone) __syncthreads();
+  kernel(me, phase, shared);
+  return true;
+}
+
 template <class Kernel>
 __global__ void __launch_bounds__(kThreads) run_kernel(const Kernel kernel) {
   const Thread me{blockIdx.x, threadIdx.x, gridDim.x};
   if constexpr (Phased<Kernel>) {
     __shared__ typename Kernel::Shared shared;
+    constexpr int kWrittenOut = written_out<Kernel>();
+#pragma unroll
+    for (int phase = 0; phase < kWrittenOut; ++phase)
+      if (!run_phase(kernel, me, phase, shared)) return;
     const int phases = phases_of(kernel);
-    for (int phase = 0; phase < phases; ++phase) {
-      bool alone = false;
-      if constexpr (Joining<Kernel>) {
-        alone = phase == kernel.join_phase();
-        if (alone && !is_last_to_arrive(kernel.arrived, shared.last)) return;
-      }
-      if (phase > 0 && !alone) __syncthreads();
-      kernel(me, phase, shared);
-    }
+    for (int phase = kWrittenOut; phase < phases; ++phase)
+      if (!run_phase(kernel, me, phase, shared)) return;
   } else {
     kernel(me);
   }

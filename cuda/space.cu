@@ -1,7 +1,7 @@
 #include "cuda/space.h"
 
 #include "common/filter/filter_backend.h"
-#include "common/math/block_sum.h"
+#include "cuda/block_sum.h"
 #include "cuda/scan.h"
 
 namespace parloc {
@@ -53,7 +53,9 @@ Queue::Queue(int device) : device_(device), device_name_(usable_device(device)) 
 
 void Queue::reserve(std::size_t particles) {
   const std::size_t blocks = sum_blocks(particles);
-  scratch.sums.reserve((blocks + sum_blocks(blocks) + 3) * 12);  // the widest sum has 12 terms
+  const SumShape shape = SumShape::of(blocks);
+  const std::size_t sums = (shape.parts > 1 ? shape.parts * blocks : 0) + blocks + sum_blocks(blocks) + 3;
+  scratch.sums.reserve(sums * 12);  // the widest sum has 12 terms
   scratch.before.reserve(blocks);
 }
 
