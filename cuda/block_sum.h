@@ -223,7 +223,7 @@ struct SumBlocks {
 template <int K, class Term, class Finish>
 void block_sum(const Particles& particles, const Term& term, const Finish& finish, Queue& queue) {
   const SumShape shape = SumShape::of(sum_blocks(particles.capacity));
-  launch(
+  launch_step(
       SumBlocks<K, Term, Finish>{
           term, finish, particles.live, {queue.scratch.sums.data(), shape}, queue.scratch.arrived.data()},
       shape.blocks * shape.parts, queue);

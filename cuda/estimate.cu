@@ -152,9 +152,9 @@ void FilterStages::estimate(const EstimateArgs& args, Queue& queue) {
   const std::uint64_t* const weight_of_heaviest = heaviest + 2 * kHeaviestBlocks;
   const unsigned blocks = blocks_for(p.capacity);  // there are no more bins than particles
   fill_bins(t, p, weight, queue);
-  launch(JoinBins{t}, blocks, queue);
-  launch(SumClusters{t, heaviest, state, queue.scratch.arrived.data()}, std::min(blocks, kHeaviestBlocks),
-         queue);
+  launch_step(JoinBins{t}, blocks, queue);
+  launch_step(SumClusters{t, heaviest, state, queue.scratch.arrived.data()},
+              std::min(blocks, kHeaviestBlocks), queue);
   block_sum<kMeanSums>(p, MeanTerm{p, weight, t, state}, FinishMean{weight_of_heaviest, state}, queue);
   block_sum<kCovarianceSums>(p, CovarianceTerm{p, weight, t, state},
                              FinishCovariance{weight_of_heaviest, state, t.used_count}, queue);

@@ -83,8 +83,8 @@ inline void fill_bins(const BinTable& t, const Particles& p, const std::uint64_t
   constexpr std::size_t kBlocksThatFillADevice = 128;
   const std::size_t blocks = (p.capacity + kThreads - 1) / kThreads;
   const std::size_t each = blocks > kBlocksThatFillADevice ? FillBins::kMostEach : 1;
-  launch(FillBins{t, p, weight, static_cast<std::uint32_t>(each)},
-         static_cast<unsigned>((blocks + each - 1) / each), stream);
+  launch_step(FillBins{t, p, weight, static_cast<std::uint32_t>(each)},
+              static_cast<unsigned>((blocks + each - 1) / each), stream);
 }
 
 }  // namespace parloc::PARLOC_CUDA_NAMESPACE

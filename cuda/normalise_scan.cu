@@ -109,14 +109,14 @@ void FilterStages::normalise_scan(const NormaliseArgs& a, Queue& queue) {
   LargestWeight* const largest = queue.scratch.largest.data();
   std::uint32_t* const arrived = queue.scratch.arrived.data();
   if (!a.just_weighed)
-    launch(FindLargest{a.particles, {largest}, arrived}, std::min(blocks_for(count), 1024u), queue);
-  launch(NormaliseScan{a,
-                       weight_bits(count),
-                       largest,
-                       {a.weights.before, blocks},
-                       {queue.scratch.sums.data(), {static_cast<std::uint32_t>(blocks), 1}},
-                       arrived},
-         static_cast<unsigned>(blocks), queue);
+    launch_step(FindLargest{a.particles, {largest}, arrived}, std::min(blocks_for(count), 1024u), queue);
+  launch_step(NormaliseScan{a,
+                            weight_bits(count),
+                            largest,
+                            {a.weights.before, blocks},
+                            {queue.scratch.sums.data(), {static_cast<std::uint32_t>(blocks), 1}},
+                            arrived},
+              static_cast<unsigned>(blocks), queue);
 }
 
 }  // namespace parloc::PARLOC_CUDA_NAMESPACE

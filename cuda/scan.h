@@ -134,8 +134,8 @@ template <class Value>
 void scan_in_blocks(const Value& value, std::size_t count, std::uint64_t* within, std::uint64_t* before,
                     Queue& queue) {
   const std::size_t blocks = sum_blocks(count);
-  launch(ScanBlocks<Value>{value, within, {before, blocks}, count, queue.scratch.arrived.data()},
-         static_cast<unsigned>(blocks), queue);
+  launch_step(ScanBlocks<Value>{value, within, {before, blocks}, count, queue.scratch.arrived.data()},
+              static_cast<unsigned>(blocks), queue);
 }
 
 /// sums[i] = sums[0] + ... + sums[i], in place. Allocates where `count` was never so large.
