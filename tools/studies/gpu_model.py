@@ -112,8 +112,14 @@ def ratios_by_piece(ptx, sass):
     return [sass[depth] / max(counts[depth], 1) for depth in depths]
 
 
+def of_many(symbol):
+    """What both run_kernel<K> and run_many<K> (cuda/launch.h) have in their symbols, and which of them it is."""
+    found = re.match(r"(.*?)(10run_kernel|8run_many)(I.*E)E+v", symbol)
+    return (found[1] + found[3].rstrip("E"), found[2] == "8run_many") if found else (symbol, False)
+
+
 def static_counts(build, cuobjdump):
-    """By kernel: instructions of SASS for one of PTX, of each piece of it, and registers."""
+    """By kernel: instructions of SASS for one of PTX, of each piece of it, and registers: alone and as one of many."""
     ptx, sass, registers = {}, {}, {}
     for file in (build / "tests/ptx/parloc_kernels_on_ptx").glob("*.ptx.cpp"):
         ptx.update((plain(symbol), counts) for symbol, counts in ptx_by_depth(file.read_text()).items())
@@ -123,8 +129,13 @@ def static_counts(build, cuobjdump):
             sass[plain(function.split(None, 1)[0])] = sass_by_depth(function)
         text = subprocess.run([cuobjdump, "-res-usage", file], capture_output=True, text=True, check=True).stdout
         for name, count in re.findall(r"Function (\S+):\s+REG:(\d+)", text):
-            registers[plain(name)] = int(count)
-    return {name: (ratios_by_piece(counts, sass.get(name)), registers.get(name, 64)) for name, counts in ptx.items()}
+            registers[of_many(plain(name))] = int(count)
+    result = {}
+    for name, counts in ptx.items():
+        kernel, _ = of_many(name)
+        alone = registers.get((kernel, False), 64)
+        result[name] = (ratios_by_piece(counts, sass.get(name)), (alone, registers.get((kernel, True), alone)))
+    return result
 
 
 def kernel_us(gpu, kernel, growth, ratio, registers):
@@ -149,6 +160,7 @@ def model_case(case, counts, statics):
     growth, rows, totals = said / counted, [], dict.fromkeys(GPUS, 0.0)
     for name, kernel in counts["kernels"].items():
         ratios, registers = statics[plain(kernel["symbol"])]
+        registers = registers[filters > 1]
         in_sass = sum(ratio * n for ratio, n in zip(ratios, kernel["issued_in"], strict=True))
         ratio = in_sass / sum(kernel["issued_in"])
         grows = growth if kernel["blocks"] > 16 or kernel["threads"] >= counted // 8 else 1.0
