@@ -56,7 +56,8 @@ void fill_bins(const Particles& p, const std::uint64_t* weight, const BinTable& 
 /// parent is its root, so that membership is one look-up.
 std::uint32_t heaviest_cluster(const BinTable& t) {
   const std::size_t used = *t.used_count;
-  for (std::size_t k = 0; k < used; ++k) bin_join_neighbours(t, t.used[k]);
+  for (std::size_t k = 0; k < used; ++k)
+    for (std::uint32_t n = 0; n < kBinNeighbours; ++n) bin_join_neighbour(t, t.used[k], n);
   for (std::size_t k = 0; k < used; ++k) {
     const std::uint32_t slot = t.used[k], root = bin_root(t, slot);
     t.parent[slot] = root;

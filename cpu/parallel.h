@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <cstddef>
 #include <cstdint>
+#include <memory>
 #include <string>
 #include <vector>
 
@@ -15,6 +16,10 @@
 #endif
 
 #include "cpu/simd.h"
+
+namespace parloc {
+class FilterGroup;
+}
 
 namespace parloc::cpu {
 
@@ -27,6 +32,9 @@ struct Workers {
 
   /// `threads` 0: all cores.
   static Workers open(int threads, int device = 0);
+  static Workers open(int threads, int device, const std::shared_ptr<FilterGroup>& /*nothing to share*/) {
+    return open(threads, device);
+  }
   std::string name() const;
   void use() const {}   ///< Of a device only.
   void wait() const {}  ///< Stages are done when they return.

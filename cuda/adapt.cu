@@ -82,9 +82,9 @@ void FilterStages::adapt(const AdaptArgs& a, Queue& queue) {
   std::uint64_t* const first = queue.scratch.first.data();
   std::uint64_t* const before = queue.scratch.before.data();
   std::uint64_t* const enough = queue.scratch.enough.data();
-  launch(EnterCandidates{a, enough}, blocks, queue);
+  launch_step(EnterCandidates{a, enough}, blocks, queue);
   scan_in_blocks(IsFirst{a}, a.rule.most, first, before, queue);
-  launch(FindEnough{a, first, before, enough, queue.scratch.arrived.data()}, blocks, queue);
+  launch_step(FindEnough{a, first, before, enough, queue.scratch.arrived.data()}, blocks, queue);
 }
 
 }  // namespace parloc::PARLOC_CUDA_NAMESPACE

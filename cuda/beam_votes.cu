@@ -82,13 +82,13 @@ void FilterStages::beam_votes(const WeightArgs& args, Queue& queue) {
   const std::size_t most = voters_of(args.model, args.rays.particles.capacity);
   if (args.model == SensorModel::class_conditional) {
     with_caster(args.rays, [&](auto caster) {
-      launch(AskForClass<decltype(caster)>{args}, blocks_for(most * kUsualBeams), queue);
+      launch_step(AskForClass<decltype(caster)>{args}, blocks_for(most * kUsualBeams), queue);
     });
   } else {
     const std::size_t groups = (most + AskForAgreement::kEach - 1) / AskForAgreement::kEach;
-    launch(AskForAgreement{args}, blocks_for(groups * kUsualBeams), queue);
+    launch_step(AskForAgreement{args}, blocks_for(groups * kUsualBeams), queue);
   }
-  launch(Decide{args}, 1, queue);
+  launch_step(Decide{args}, 1, queue);
 }
 
 }  // namespace parloc::PARLOC_CUDA_NAMESPACE

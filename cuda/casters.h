@@ -11,8 +11,7 @@ namespace parloc::PARLOC_CUDA_NAMESPACE {
 struct BySkipField {
   PARLOC_HD static float expected_m(const RayTraceArgs& a, const RayOrigin& o, std::size_t, std::size_t m) {
     const float range_max_m = a.beams.range_max_m, reach_cells = range_max_m * a.map.inv_resolution;
-    const Ray ray = ray_of_beam(a, o, m);
-    return range_of_hit(ray, cast_skip(a.map, ray, reach_cells), a.map.resolution_m, range_max_m);
+    return range_by_skip(a.map, ray_of_beam(a, o, m), reach_cells, range_max_m);
   }
 };
 

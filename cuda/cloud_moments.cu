@@ -20,7 +20,8 @@ struct CovarianceTerm {
 struct FinishMoments {
   CloudMomentsArgs args;
   bool covariance;
-  PARLOC_HD void operator()(const double* sums) const {
+  PARLOC_HD void operator()(unsigned t, const double* sums) const {
+    if (t > 0) return;
     const double total = args.weighed != nullptr ? static_cast<double>(args.weighed->total)
                                                  : static_cast<double>(args.cloud.particles.count());
     if (covariance)

@@ -7,6 +7,9 @@
 namespace parloc {
 
 #if defined(__CUDACC__)
+std::shared_ptr<FilterGroup> make_cuda_filter_group(int device) {
+  return std::make_shared<cuda::StepGroup>(device);
+}
 std::unique_ptr<FilterBackend> make_cuda_filter_backend(const FilterBackendConfig& config) {
   return std::make_unique<FilterEngine<cuda::Space>>(config);
 }
@@ -18,6 +21,9 @@ std::unique_ptr<SlamBackend> make_cuda_slam_backend(const SlamBackendConfig& con
 }
 #else
 namespace cuda_on_host {
+std::shared_ptr<FilterGroup> make_filter_group_on_host() {
+  return std::make_shared<StepGroup>(0);
+}
 std::unique_ptr<FilterBackend> make_filter_backend_on_host(const FilterBackendConfig& config) {
   return std::make_unique<FilterEngine<Space>>(config);
 }

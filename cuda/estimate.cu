@@ -10,17 +10,9 @@ namespace {
 struct JoinBins {
   BinTable t;
   PARLOC_HD void operator()(const Thread& me) const {
-    for (std::size_t k = me.first(); k < *t.used_count; k += me.stride()) bin_join_neighbours(t, t.used[k]);
-  }
-};
-
-struct SumClusters {
-  BinTable t;
-  PARLOC_HD void operator()(const Thread& me) const {
-    for (std::size_t k = me.first(); k < *t.used_count; k += me.stride()) {
-      const std::uint32_t slot = t.used[k], root = bin_settled_root(t, slot);
-      if (root != slot) atomic_add(&t.weight[root], t.weight[slot]);
-    }
+    const std::size_t pairs = *t.used_count * kBinNeighbours;
+    for (std::size_t k = me.first(); k < pairs; k += me.stride())
+      bin_join_neighbour(t, t.used[k / kBinNeighbours], static_cast<std::uint32_t>(k % kBinNeighbours));
   }
 };
 
@@ -32,13 +24,16 @@ struct Cluster {
   }
 };
 
-/// Of all clusters the best: by blocks, and then the last block of what they have found.
-struct FindHeaviest {
+/// Adds the bins of a cluster to its root, and finds the best of all clusters. A root only ever gets heavier,
+/// and whoever adds to it sees what it has become: the heaviest that anybody sees is a root with all its
+/// bins.
+struct SumClusters {
   struct Shared {
     Cluster best[kThreads];
+    std::uint64_t weight, key_below;  // the heaviest; ~key, so that the smallest key is the largest
     bool last;
   };
-  static constexpr int kHalvings = 8, kJoin = 2 + kHalvings, kPhases = kJoin + 2 + kHalvings;
+  static constexpr int kJoin = 4, kPhases = 2 * kJoin;  // the best of a block, then of all blocks
   BinTable t;
   std::uint64_t* heaviest;  // Scratch::heaviest
   StepState* state;
@@ -46,38 +41,37 @@ struct FindHeaviest {
 
   PARLOC_HD int join_phase() const { return kJoin; }
   PARLOC_HD void operator()(const Thread& me, int phase, Shared& s) const {
-    if (phase == 0) s.best[me.thread] = best_root(me);
-    if (phase == kJoin) s.best[me.thread] = best_of_blocks(me);
-    const int halving = (phase < kJoin ? phase : phase - kJoin) - 1;
-    if (halving >= 0 && halving < kHalvings) return halve(me.thread, halving, s);
-    if (halving != kHalvings || me.thread > 0) return;
-    if (phase < kJoin) {
-      heaviest[2 * me.block] = s.best[0].weight;
-      heaviest[2 * me.block + 1] = s.best[0].key;
-    } else {
-      heaviest[2 * kHeaviestBlocks] = s.best[0].weight;
-      state->best_slot = bin_find(t, s.best[0].key);
+    Cluster& best = s.best[me.thread];
+    const int part = phase % kJoin;
+    if (part == 0) {
+      best = phase < kJoin ? add_up(me) : best_of_block(me);
+      if (me.thread == 0) s.weight = s.key_below = 0;
     }
+    if (part == 1 && best.weight > atomic_read(&s.weight)) atomic_raise(&s.weight, best.weight);
+    if (part == 2 && best.weight == s.weight) atomic_raise(&s.key_below, ~best.key);
+    if (part < 3 || me.thread > 0) return;
+    std::uint64_t* const to = heaviest + 2 * (phase < kJoin ? me.block : kHeaviestBlocks);
+    to[0] = s.weight;
+    if (phase < kJoin)
+      to[1] = ~s.key_below;
+    else
+      state->best_slot = bin_find(t, ~s.key_below);
   }
 
  private:
-  PARLOC_HD Cluster best_root(const Thread& me) const {
+  PARLOC_HD Cluster add_up(const Thread& me) const {
     Cluster best{0, kNoBin};
     for (std::size_t k = me.first(); k < *t.used_count; k += me.stride()) {
-      const std::uint32_t slot = t.used[k];
-      if (t.parent[slot] != slot) continue;
-      const Cluster here{t.weight[slot], t.key[slot]};
+      const std::uint32_t slot = t.used[k], root = bin_settled_root(t, slot);
+      const std::uint64_t more = root != slot ? t.weight[slot] : 0;
+      const Cluster here{atomic_add(&t.weight[root], more) + more, t.key[root]};
       if (here.better_than(best)) best = here;
     }
     return best;
   }
-  PARLOC_HD Cluster best_of_blocks(const Thread& me) const {
+  PARLOC_HD Cluster best_of_block(const Thread& me) const {
     if (me.thread >= me.blocks) return {0, kNoBin};
     return {heaviest[2 * me.thread], heaviest[2 * me.thread + 1]};
-  }
-  PARLOC_HD static void halve(unsigned t, int halving, Shared& s) {
-    const unsigned offset = (kThreads / 2) >> halving;
-    if (t < offset && s.best[t + offset].better_than(s.best[t])) s.best[t] = s.best[t + offset];
   }
 };
 static_assert(kHeaviestBlocks <= kThreads);
@@ -98,11 +92,12 @@ struct MeanTerm {
 struct FinishMean {
   const std::uint64_t* heaviest;
   StepState* state;
-  PARLOC_HD void operator()(const double* sums) const {
+  /// Two threads of one warp, side by side.
+  PARLOC_HD void operator()(unsigned t, const double* sums) const {
+    if (t >= 2) return;
     const double total = static_cast<double>(state->total);
-    const double cluster = static_cast<double>(*heaviest);
-    finish_mean(state->all, sums, total, total);
-    finish_mean(state->cluster, sums + 4, cluster, total);
+    finish_mean(t == 0 ? state->all : state->cluster, sums + 4 * t,
+                t == 0 ? total : static_cast<double>(*heaviest), total);
   }
 };
 
@@ -125,10 +120,11 @@ struct FinishCovariance {
   const std::uint64_t* heaviest;
   StepState* state;
   std::uint64_t* used_count;
-  PARLOC_HD void operator()(const double* sums) const {
-    finish_covariance(state->all, sums, static_cast<double>(state->total));
-    finish_covariance(state->cluster, sums + 6, static_cast<double>(*heaviest));
-    *used_count = 0;
+  PARLOC_HD void operator()(unsigned t, const double* sums) const {
+    if (t >= 2) return;
+    finish_covariance(t == 0 ? state->all : state->cluster, sums + 6 * t,
+                      static_cast<double>(t == 0 ? state->total : *heaviest));
+    if (t == 0) *used_count = 0;
   }
 };
 
@@ -155,11 +151,10 @@ void FilterStages::estimate(const EstimateArgs& args, Queue& queue) {
   std::uint64_t* const heaviest = queue.scratch.heaviest.data();
   const std::uint64_t* const weight_of_heaviest = heaviest + 2 * kHeaviestBlocks;
   const unsigned blocks = blocks_for(p.capacity);  // there are no more bins than particles
-  launch(FillBins{t, p, weight}, blocks_to_fill_bins(p.capacity), queue);
-  launch(JoinBins{t}, blocks, queue);
-  launch(SumClusters{t}, blocks, queue);
-  launch(FindHeaviest{t, heaviest, state, queue.scratch.arrived.data()}, std::min(blocks, kHeaviestBlocks),
-         queue);
+  fill_bins(t, p, weight, queue);
+  launch_step(JoinBins{t}, blocks, queue);
+  launch_step(SumClusters{t, heaviest, state, queue.scratch.arrived.data()},
+              std::min(blocks, kHeaviestBlocks), queue);
   block_sum<kMeanSums>(p, MeanTerm{p, weight, t, state}, FinishMean{weight_of_heaviest, state}, queue);
   block_sum<kCovarianceSums>(p, CovarianceTerm{p, weight, t, state},
                              FinishCovariance{weight_of_heaviest, state, t.used_count}, queue);

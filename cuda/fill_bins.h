@@ -8,24 +8,24 @@
 
 namespace parloc::PARLOC_CUDA_NAMESPACE {
 
-constexpr std::size_t kFillEach = 4;  // particles of a thread
-
 struct FillBins {
   static constexpr unsigned kRoom = kThreads;  // bins of a block; one thread enters each
   static constexpr unsigned kTries = 8;        // a particle that finds no room enters alone
   static constexpr int kPartBits = 21;         // weights are at most 2^40, so two parts are enough, ...
   static constexpr std::uint32_t kAlone = kRoom;
-  static_assert(kThreads * kFillEach < (std::size_t{1} << (32 - kPartBits)));  // ... and their sums fit
+  static constexpr std::size_t kMostEach = 4;                                  // particles of a thread
+  static_assert(kThreads * kMostEach < (std::size_t{1} << (32 - kPartBits)));  // ... and their sums fit
   struct Shared {
     std::uint64_t key[kRoom];
     std::uint32_t low[kRoom], high[kRoom];      // of the weight
     std::uint32_t slot[kRoom];                  // in the table of all
-    std::uint16_t place[kThreads * kFillEach];  // of each particle, in these
+    std::uint16_t place[kThreads * kMostEach];  // of each particle, in these
   };
   static constexpr int kPhases = 4;
   BinTable t;
   Particles p;
   const std::uint64_t* weight;
+  std::uint32_t each;  // particles of a thread, 1 to kMostEach
 
   PARLOC_HD void operator()(const Thread& me, int phase, Shared& s) const {
     const unsigned mine = me.thread;
@@ -40,11 +40,11 @@ struct FillBins {
   }
 
  private:
-  PARLOC_HD static std::size_t particle(const Thread& me, std::size_t k) {
-    return std::size_t{me.block} * kThreads * kFillEach + k * kThreads + me.thread;
+  PARLOC_HD std::size_t particle(const Thread& me, std::size_t k) const {
+    return (std::size_t{me.block} * each + k) * kThreads + me.thread;
   }
   PARLOC_HD void add_up(const Thread& me, Shared& s) const {
-    for (std::size_t k = 0; k < kFillEach; ++k) {
+    for (std::size_t k = 0; k < each; ++k) {
       const std::size_t i = particle(me, k);
       if (i >= p.count()) return;
       const std::uint64_t key = bin_key_of(p.x[i], p.y[i], p.theta[i]);
@@ -69,7 +69,7 @@ struct FillBins {
     return kAlone;
   }
   PARLOC_HD void note_slots(const Thread& me, const Shared& s) const {
-    for (std::size_t k = 0; k < kFillEach; ++k) {
+    for (std::size_t k = 0; k < each; ++k) {
       const std::size_t i = particle(me, k);
       if (i >= p.count()) return;
       const std::uint32_t place = s.place[k * kThreads + me.thread];
@@ -78,9 +78,13 @@ struct FillBins {
   }
 };
 
-inline unsigned blocks_to_fill_bins(std::size_t particles) {
-  constexpr std::size_t kEach = kThreads * kFillEach;
-  return static_cast<unsigned>((particles + kEach - 1) / kEach);
+/// Few particles are spread over all of the device.
+inline void fill_bins(const BinTable& t, const Particles& p, const std::uint64_t* weight, Stream stream) {
+  constexpr std::size_t kBlocksThatFillADevice = 128;
+  const std::size_t blocks = (p.capacity + kThreads - 1) / kThreads;
+  const std::size_t each = blocks > kBlocksThatFillADevice ? FillBins::kMostEach : 1;
+  launch_step(FillBins{t, p, weight, static_cast<std::uint32_t>(each)},
+              static_cast<unsigned>((blocks + each - 1) / each), stream);
 }
 
 }  // namespace parloc::PARLOC_CUDA_NAMESPACE

@@ -10,7 +10,7 @@
 #include <utility>
 #include <vector>
 
-#include "cuda/stream.h"
+#include "cuda/sequence.h"
 
 namespace parloc::PARLOC_CUDA_NAMESPACE {
 
@@ -40,13 +40,17 @@ inline void host_free(void* p) {
   (void)cudaFreeHost(p);
 }
 inline void copy_down(void* to, const void* from, std::size_t bytes, Stream s) {
-  PARLOC_CHECK(cudaMemcpyAsync(to, from, bytes, cudaMemcpyHostToDevice, s), "copying to the device");
+  if (Sequence* const noted = noted_by(s)) return noted->add_copy_down(to, from, bytes);
+  PARLOC_CHECK(cudaMemcpyAsync(to, from, bytes, cudaMemcpyHostToDevice, s->handle), "copying to the device");
 }
 inline void copy_up(void* to, const void* from, std::size_t bytes, Stream s) {
-  PARLOC_CHECK(cudaMemcpyAsync(to, from, bytes, cudaMemcpyDeviceToHost, s), "copying from the device");
+  if (Sequence* const noted = noted_by(s)) return noted->add_copy_up(to, from, bytes);
+  PARLOC_CHECK(cudaMemcpyAsync(to, from, bytes, cudaMemcpyDeviceToHost, s->handle),
+               "copying from the device");
 }
 inline void copy_across(void* to, const void* from, std::size_t bytes, Stream s) {
-  PARLOC_CHECK(cudaMemcpyAsync(to, from, bytes, cudaMemcpyDeviceToDevice, s), "copying on the device");
+  PARLOC_CHECK(cudaMemcpyAsync(to, from, bytes, cudaMemcpyDeviceToDevice, s->handle),
+               "copying on the device");
 }
 #else
 inline void* device_alloc(std::size_t bytes) {
@@ -64,9 +68,11 @@ inline void host_free(void* p) {
   std::free(p);
 }
 inline void copy_down(void* to, const void* from, std::size_t bytes, Stream s) {
+  if (Sequence* const noted = noted_by(s)) return noted->add_copy_down(to, from, bytes);
   submit(s, [=] { std::memcpy(to, from, bytes); });
 }
 inline void copy_up(void* to, const void* from, std::size_t bytes, Stream s) {
+  if (Sequence* const noted = noted_by(s)) return noted->add_copy_up(to, from, bytes);
   submit(s, [=] { std::memcpy(to, from, bytes); });
 }
 inline void copy_across(void* to, const void* from, std::size_t bytes, Stream s) {

@@ -40,7 +40,6 @@ struct NormaliseScan {
     bool last;
   };
   static constexpr int kSteps = ScanRoom::kSteps;
-  static_assert(kSteps == SumRoom<1>::kHalvings);
   static constexpr int kJoin = 4 + kSteps;
   NormaliseArgs a;
   int bits;
@@ -50,27 +49,30 @@ struct NormaliseScan {
   std::uint32_t* arrived;
 
   PARLOC_HD int join_phase() const { return kJoin; }
-  PARLOC_HD int phases() const { return kJoin + totals.phases() + upper.phases + 1; }
+  PARLOC_HD int phases() const { return kJoin + most_of(totals.phases(), upper.phases) + 1; }
   PARLOC_HD void operator()(const Thread& me, int phase, Shared& s) const {
     const unsigned t = me.thread;
     if (phase == 0) return weigh(me, s);
     if (phase == 1) return s.scan.add_up(t);
-    if (phase < 2 + kSteps) {
-      s.scan.room.step(t, phase - 2);
-      return s.squares.halve(t, phase - 2);
+    if (phase < 2 + kSteps) {  // the squares have nothing to do with it, and share its barriers
+      if (phase == 2) s.squares.fold<kSumLanes>(t);
+      if (phase == 3) s.squares.fold<kSumLanes / SumRoom<1>::kWays>(t);
+      if (phase == 4) s.squares.store<SumRoom<1>::kLast>(t, upper.sums + me.block);
+      return s.scan.room.step(t, phase - 2);
     }
-    if (phase == 2 + kSteps) {
-      s.scan.run_on(t);
-      return s.squares.store(t, upper.sums + me.block);
-    }
+    if (phase == 2 + kSteps) return s.scan.run_on(t);
     if (phase < kJoin) return write_sums(me, s);
-    const int rest = phase - kJoin, of_totals = totals.phases();
-    if (rest < of_totals) return totals(t, rest, s.scan.room);
-    if (phase + 1 < phases()) return upper(t, rest - of_totals, s.squares);
-    if (t == 0) decide(totals.total(s.scan.room));
+    if (phase + 1 == phases()) {
+      if (t == 0) decide(totals.total(s.scan.room));
+      return;
+    }
+    const int rest = phase - kJoin;
+    if (rest < totals.phases()) totals(t, rest, s.scan.room);
+    if (rest < upper.phases) upper(t, rest, s.squares);
   }
 
  private:
+  PARLOC_HD static int most_of(int a, int b) { return a > b ? a : b; }
   PARLOC_HD void weigh(const Thread& me, Shared& s) const {
     StepState now{};
     now.max_log_weight = largest->log_weight;
@@ -85,7 +87,7 @@ struct NormaliseScan {
       const double weight = static_cast<double>(q);
       squares += weight * weight;
     }
-    s.squares.lane[0][me.thread] = squares;
+    s.squares.value[0][me.thread] = squares;
   }
   PARLOC_HD void write_sums(const Thread& me, const Shared& s) const {
     const std::size_t first = std::size_t{me.block} * kSumBlock;
@@ -107,14 +109,14 @@ void FilterStages::normalise_scan(const NormaliseArgs& a, Queue& queue) {
   LargestWeight* const largest = queue.scratch.largest.data();
   std::uint32_t* const arrived = queue.scratch.arrived.data();
   if (!a.just_weighed)
-    launch(FindLargest{a.particles, {largest}, arrived}, std::min(blocks_for(count), 1024u), queue);
-  launch(NormaliseScan{a,
-                       weight_bits(count),
-                       largest,
-                       {a.weights.before, blocks},
-                       {queue.scratch.sums.data(), blocks},
-                       arrived},
-         static_cast<unsigned>(blocks), queue);
+    launch_step(FindLargest{a.particles, {largest}, arrived}, std::min(blocks_for(count), 1024u), queue);
+  launch_step(NormaliseScan{a,
+                            weight_bits(count),
+                            largest,
+                            {a.weights.before, blocks},
+                            {queue.scratch.sums.data(), {static_cast<std::uint32_t>(blocks), 1}},
+                            arrived},
+              static_cast<unsigned>(blocks), queue);
 }
 
 }  // namespace parloc::PARLOC_CUDA_NAMESPACE

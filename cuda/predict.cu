@@ -24,7 +24,7 @@ struct Predict {
 }  // namespace
 
 void FilterStages::predict(const PredictArgs& args, Queue& queue) {
-  launch(Predict{args}, blocks_for(args.particles.capacity), queue);
+  launch_step(Predict{args}, blocks_for(args.particles.capacity), queue);
 }
 
 }  // namespace parloc::PARLOC_CUDA_NAMESPACE

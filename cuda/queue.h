@@ -3,12 +3,19 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <memory>
 #include <string>
 
 #include "cuda/launch.h"
 #include "cuda/memory.h"
 
+namespace parloc {
+class FilterGroup;
+}
+
 namespace parloc::PARLOC_CUDA_NAMESPACE {
+
+class StepGroup;
 
 /// The largest log-weight: as it is found, in the order of unsigned integers, and then for who asks.
 struct LargestWeight {
@@ -34,9 +41,11 @@ struct Scratch {
 
 class Queue {
  public:
-  /// Throws Error{backend} if there is no such device.
-  explicit Queue(int device);
-  static Queue open(int /*threads*/, int device) { return Queue(device); }
+  /// Throws Error{backend} if there is no such device, or the group is on another.
+  explicit Queue(int device, const std::shared_ptr<FilterGroup>& group = nullptr);
+  static Queue open(int /*threads*/, int device, const std::shared_ptr<FilterGroup>& group = nullptr) {
+    return Queue(device, group);
+  }
   ~Queue() { free_stream(stream_); }
   Queue(const Queue&) = delete;
   Queue& operator=(const Queue&) = delete;
@@ -47,6 +56,8 @@ class Queue {
   /// Scratch for every stage on so many particles.
   void reserve(std::size_t particles);
   operator Stream() const { return stream_; }
+  /// With which steps are done; may be null.
+  StepGroup* group() const { return group_.get(); }
   std::string name() const { return "cuda (" + device_name_ + ")"; }
 
   Scratch scratch;
@@ -54,6 +65,7 @@ class Queue {
  private:
   int device_;
   std::string device_name_;
+  std::shared_ptr<StepGroup> group_;
   Stream stream_{};
 };
 

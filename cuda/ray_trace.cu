@@ -18,7 +18,7 @@ struct RayTrace {  // one thread per ray, adjacent threads adjacent beams
 }  // namespace
 
 void FilterStages::ray_trace(const RayTraceArgs& args, Queue& queue) {
-  launch(RayTrace{args}, blocks_for(args.particles.capacity * args.beams.count), queue);
+  launch_step(RayTrace{args}, blocks_for(args.particles.capacity * args.beams.count), queue);
 }
 
 }  // namespace parloc::PARLOC_CUDA_NAMESPACE

@@ -38,11 +38,11 @@ struct Gather {
 void FilterStages::resample(const ResampleArgs& a, Queue& queue) {
   if (a.scheme == ResampleScheme::residual) {
     const std::size_t most = a.from.capacity;
-    launch(ResidualCounts{a}, blocks_for(most), queue);
+    launch_step(ResidualCounts{a}, blocks_for(most), queue);
     inclusive_scan(a.offspring_sum, most, queue);
     inclusive_scan(a.remainder_sum, most, queue);
   }
-  launch(Gather{a}, blocks_for(a.to.capacity), queue);
+  launch_step(Gather{a}, blocks_for(a.to.capacity), queue);
 }
 
 }  // namespace parloc::PARLOC_CUDA_NAMESPACE

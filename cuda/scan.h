@@ -7,22 +7,25 @@
 
 namespace parloc::PARLOC_CUDA_NAMESPACE {
 
-/// One block's sum of what its threads have, thread by thread.
+/// One block's sum of what its threads have, thread by thread: after each step a value holds four times as
+/// many.
 struct ScanRoom {
-  static constexpr int kSteps = 8;
+  static constexpr int kSteps = 4;
   std::uint64_t sum[2][kThreads];  // by turns
 
   PARLOC_HD void set(unsigned t, std::uint64_t value) { sum[0][t] = value; }
   /// 0 to kSteps - 1, with a barrier between.
   PARLOC_HD void step(unsigned t, int step) {
-    const unsigned offset = 1u << step;
+    const unsigned offset = 1u << 2 * step;
     const std::uint64_t* from = sum[step % 2];
-    sum[(step + 1) % 2][t] = from[t] + (t >= offset ? from[t - offset] : 0);
+    std::uint64_t here = from[t];
+    for (unsigned back = offset; back < 4 * offset; back += offset) here += t >= back ? from[t - back] : 0;
+    sum[(step + 1) % 2][t] = here;
   }
   /// Steps that are enough where only the first so many threads have anything.
   PARLOC_HD static int steps_for(std::size_t threads) {
     int steps = 0;
-    while (steps < kSteps && (std::size_t{1} << steps) < threads) ++steps;
+    while (steps < kSteps && (std::size_t{1} << 2 * steps) < threads) ++steps;
     return steps;
   }
   /// What the threads before t have, after so many steps; t is one of those that have anything.
@@ -131,8 +134,8 @@ template <class Value>
 void scan_in_blocks(const Value& value, std::size_t count, std::uint64_t* within, std::uint64_t* before,
                     Queue& queue) {
   const std::size_t blocks = sum_blocks(count);
-  launch(ScanBlocks<Value>{value, within, {before, blocks}, count, queue.scratch.arrived.data()},
-         static_cast<unsigned>(blocks), queue);
+  launch_step(ScanBlocks<Value>{value, within, {before, blocks}, count, queue.scratch.arrived.data()},
+              static_cast<unsigned>(blocks), queue);
 }
 
 /// sums[i] = sums[0] + ... + sums[i], in place. Allocates where `count` was never so large.

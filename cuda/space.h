@@ -3,10 +3,12 @@
 #pragma once
 
 #include <map>
+#include <memory>
 
 #include "cuda/flow_stages.h"
 #include "cuda/slam_stages.h"
 #include "cuda/stages.h"
+#include "cuda/step_group.h"
 
 namespace parloc::PARLOC_CUDA_NAMESPACE {
 
@@ -38,11 +40,26 @@ class Recordings {
   void run(unsigned kind, const Queue& queue, const Work& work) {
     kinds_[kind].run(queue, work);
   }
+  /// Runs it, and waits: alone, or together with the steps of other filters.
+  template <class Work>
+  void finish(unsigned kind, const Queue& queue, const Work& work) {
+    if (queue.group() == nullptr) {
+      run(kind, queue, work);
+      return queue.wait();
+    }
+    std::unique_ptr<JoinedSequence>& joined = joined_[kind];
+    if (joined == nullptr) joined = std::make_unique<JoinedSequence>(*queue.group(), queue, work);
+    joined->run();
+  }
   /// After memory has moved that they know.
-  void forget() { kinds_.clear(); }
+  void forget() {
+    kinds_.clear();
+    joined_.clear();
+  }
 
  private:
   std::map<unsigned, Repeated> kinds_;
+  std::map<unsigned, std::unique_ptr<JoinedSequence>> joined_;
 };
 
 struct Space : FilterStages, FlowStages, SlamStages {

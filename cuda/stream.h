@@ -19,6 +19,9 @@
 
 namespace parloc::PARLOC_CUDA_NAMESPACE {
 
+/// A filter's step as a list (cuda/sequence.h), which a stream may have to note instead of starting anything.
+class Sequence;
+
 #if defined(__CUDACC__)
 inline void check(cudaError_t status, const char* what, const char* file, int line) {
   if (status == cudaSuccess) return;
@@ -28,18 +31,28 @@ inline void check(cudaError_t status, const char* what, const char* file, int li
 }
 #define PARLOC_CHECK(call, what) ::parloc::PARLOC_CUDA_NAMESPACE::check((call), (what), __FILE__, __LINE__)
 
-using Stream = cudaStream_t;
+struct DeviceStream {
+  cudaStream_t handle = nullptr;
+  bool owns = true;
+  Sequence* noting = nullptr;  ///< Null: work is started.
+};
+using Stream = DeviceStream*;
 
 inline Stream make_stream() {
-  Stream s = nullptr;
-  PARLOC_CHECK(cudaStreamCreateWithFlags(&s, cudaStreamNonBlocking), "creating a stream");
-  return s;
+  auto stream = std::make_unique<DeviceStream>();
+  PARLOC_CHECK(cudaStreamCreateWithFlags(&stream->handle, cudaStreamNonBlocking), "creating a stream");
+  return stream.release();
+}
+/// Another end of the same, which goes first.
+inline Stream share_stream(Stream s) {
+  return new DeviceStream{s->handle, false};
 }
 inline void free_stream(Stream s) {
-  (void)cudaStreamDestroy(s);
+  if (s != nullptr && s->owns) (void)cudaStreamDestroy(s->handle);
+  delete s;
 }
 inline void synchronise(Stream s) {
-  PARLOC_CHECK(cudaStreamSynchronize(s), "waiting for the device");
+  PARLOC_CHECK(cudaStreamSynchronize(s->handle), "waiting for the device");
 }
 /// Every later call of this host thread is meant for this device.
 inline void select_device(int device) {
@@ -51,16 +64,17 @@ class Recording {
  public:
   template <class Work>
   Recording(Stream stream, const Work& work) {
-    PARLOC_CHECK(cudaStreamBeginCapture(stream, cudaStreamCaptureModeThreadLocal), "recording a step");
+    PARLOC_CHECK(cudaStreamBeginCapture(stream->handle, cudaStreamCaptureModeThreadLocal),
+                 "recording a step");
     cudaGraph_t graph = nullptr;
     try {
       work();
     } catch (...) {  // the stream must not stay in recording
-      (void)cudaStreamEndCapture(stream, &graph);
+      (void)cudaStreamEndCapture(stream->handle, &graph);
       if (graph != nullptr) (void)cudaGraphDestroy(graph);
       throw;
     }
-    PARLOC_CHECK(cudaStreamEndCapture(stream, &graph), "recording a step");
+    PARLOC_CHECK(cudaStreamEndCapture(stream->handle, &graph), "recording a step");
     const cudaError_t status = cudaGraphInstantiateWithFlags(&executable_, graph, 0);
     (void)cudaGraphDestroy(graph);
     PARLOC_CHECK(status, "preparing a recorded step");
@@ -69,7 +83,7 @@ class Recording {
   Recording(const Recording&) = delete;
   Recording& operator=(const Recording&) = delete;
   void start(Stream stream) const {
-    PARLOC_CHECK(cudaGraphLaunch(executable_, stream), "starting a recorded step");
+    PARLOC_CHECK(cudaGraphLaunch(executable_, stream->handle), "starting a recorded step");
   }
 
  private:
@@ -78,6 +92,7 @@ class Recording {
 #else
 struct HostStream {
   std::vector<std::function<void()> >* recording = nullptr;
+  Sequence* noting = nullptr;
 };
 using Stream = HostStream*;  ///< Null: everything runs at once.
 
@@ -92,6 +107,9 @@ void submit(Stream stream, const Work& work) {
 
 inline Stream make_stream() {
   return new HostStream;
+}
+inline Stream share_stream(Stream) {
+  return make_stream();
 }
 inline void free_stream(Stream s) {
   delete s;

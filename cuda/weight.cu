@@ -125,8 +125,9 @@ void weigh(WeightArgs args, Queue& queue) {
   const std::size_t particles = args.rays.particles.capacity;
   const unsigned per_warp = particles_per_warp(particles), each = kWarps * per_warp;
   args.rays.beams = beams_for_model(args);
-  launch(WeighParticles<Beam>{args, per_warp, {queue.scratch.largest.data()}, queue.scratch.arrived.data()},
-         static_cast<unsigned>((particles + each - 1) / each), queue);
+  launch_step(
+      WeighParticles<Beam>{args, per_warp, {queue.scratch.largest.data()}, queue.scratch.arrived.data()},
+      static_cast<unsigned>((particles + each - 1) / each), queue);
 }
 
 template <SensorModel kModel>

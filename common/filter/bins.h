@@ -15,6 +15,7 @@ namespace parloc {
 constexpr std::uint64_t kNoBin = ~std::uint64_t{0};
 constexpr std::int32_t kHeadingBins = 36;
 constexpr float kBinSize_m = 0.5f;
+constexpr std::uint32_t kBinNeighbours = 27;  // 3 x 3 x 3, itself among them
 
 /// Open addressing; `capacity` is bin_capacity(particles), so it never fills.
 /// Empty slots have kNoBin, no weight and themselves as parent; a step leaves the table empty by clearing
@@ -118,21 +119,20 @@ PARLOC_HD void bin_join(const BinTable& t, std::uint32_t a, std::uint32_t b) {
   }
 }
 
-/// Joins the bin in `slot` with those of its neighbours that have a larger key (each pair is met once).
-PARLOC_HD void bin_join_neighbours(const BinTable& t, std::uint32_t slot) {
+/// Joins the bin in `slot` with one of its neighbours, 0 to kBinNeighbours - 1, if there is one with a larger
+/// key (each pair is met once).
+PARLOC_HD void bin_join_neighbour(const BinTable& t, std::uint32_t slot, std::uint32_t neighbour) {
   const std::uint64_t key = t.key[slot];
   const std::int32_t bx = static_cast<std::int32_t>((key >> 30) & 0xffffffu) - (1 << 23);
   const std::int32_t by = static_cast<std::int32_t>((key >> 6) & 0xffffffu) - (1 << 23);
   const std::int32_t bt = static_cast<std::int32_t>(key & 63u);
-  for (std::int32_t dx = -1; dx <= 1; ++dx)
-    for (std::int32_t dy = -1; dy <= 1; ++dy)
-      for (std::int32_t dt = -1; dt <= 1; ++dt) {
-        const std::int32_t nt = (bt + dt + kHeadingBins) % kHeadingBins;
-        const std::uint64_t other = bin_key(bx + dx, by + dy, nt);
-        if (other <= key) continue;
-        const std::uint32_t found = bin_find(t, other);
-        if (found != t.capacity) bin_join(t, slot, found);
-      }
+  const std::int32_t n = static_cast<std::int32_t>(neighbour);
+  const std::int32_t dx = n / 9 - 1, dy = n / 3 % 3 - 1, dt = n % 3 - 1;
+  const std::int32_t nt = (bt + dt + kHeadingBins) % kHeadingBins;
+  const std::uint64_t other = bin_key(bx + dx, by + dy, nt);
+  if (other <= key) return;
+  const std::uint32_t found = bin_find(t, other);
+  if (found != t.capacity) bin_join(t, slot, found);
 }
 
 }  // namespace parloc

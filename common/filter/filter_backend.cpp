@@ -43,6 +43,14 @@ std::vector<std::string> describe_devices() {
 }
 #endif
 
+std::shared_ptr<FilterGroup> make_filter_group(const ComputeConfig& compute) {
+  std::string why;
+  if (takes_cuda(compute.backend, why)) {
+    if constexpr (PARLOC_WITH_CUDA != 0) return make_cuda_filter_group(compute.device);
+  }
+  return nullptr;
+}
+
 std::unique_ptr<FilterBackend> make_filter_backend(BackendChoice choice, const FilterBackendConfig& config,
                                                    std::string& why) {
   if (takes_cuda(choice, why)) {

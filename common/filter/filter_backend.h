@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "common/filter/filter_group.h"
 #include "common/filter/stages.h"
 #include "common/map/grid_map.h"
 #include "common/model/beams.h"
@@ -28,6 +29,7 @@ struct FilterBackendConfig {
       0;  ///< Fewer than `particles`: adapt() chooses their number. 0: it never does.
   KldConfig kld{};
   RecoveryConfig recovery{};
+  std::shared_ptr<FilterGroup> group{};  ///< CUDA: steps are done with those of its other filters.
 
   bool adapts() const { return min_particles > 0 && min_particles < particles; }
   bool injects() const { return recovery.recovery_alpha_fast > 0.0; }
@@ -80,7 +82,8 @@ class FilterBackend {
 /// for cuda in a build without it.
 bool takes_cuda(BackendChoice choice, std::string& why);
 
-/// Defined in cpu/engines.cpp and cuda/engines.cu. Throws Error{backend} if there is no usable device.
+/// Defined in cpu/engines.cpp and cuda/engines.cu. Throws Error{backend} if there is no usable device, or the
+/// group is on another.
 std::unique_ptr<FilterBackend> make_cpu_filter_backend(const FilterBackendConfig& config);
 std::unique_ptr<FilterBackend> make_cuda_filter_backend(const FilterBackendConfig& config);
 

@@ -2,7 +2,9 @@
 #pragma once
 
 #include <cstdint>
+#include <memory>
 
+#include "common/filter/filter_group.h"
 #include "common/filter/step_config.h"
 #include "common/model/sensor_config.h"
 
@@ -51,6 +53,7 @@ struct FilterConfig : StepConfig {
   KldConfig kld;
   RecoveryConfig recovery;
   EstimateConfig estimate;
+  std::shared_ptr<FilterGroup> group;  ///< No setting: filters of the process that step together; or null.
 
   std::int64_t most_particles() const { return max_particles > 0 ? max_particles : particles; }
   std::int64_t fewest_particles() const { return min_particles > 0 ? min_particles : most_particles(); }

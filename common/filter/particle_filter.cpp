@@ -127,11 +127,11 @@ ParticleFilter::ParticleFilter(const FilterConfig& config, const GridMap& map)
   validate(config);
   check_has_free_cell(map);
   std::string why;
-  state().backend =
-      make_filter_backend(config.backend,
-                          {config.most_particles(), config.threads, config.device, config.sensor,
-                           config.resample, config.fewest_particles(), config.kld, config.recovery},
-                          why);
+  state().backend = make_filter_backend(
+      config.backend,
+      {config.most_particles(), config.threads, config.device, config.sensor, config.resample,
+       config.fewest_particles(), config.kld, config.recovery, config.group},
+      why);
   state().backend->set_map(map);
 }
 

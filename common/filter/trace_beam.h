@@ -61,9 +61,8 @@ PARLOC_HD float trace_beam(const RayTraceArgs& a, const RayOrigin& o, std::size_
                                                : cast_walls(a.map, ray, reach_cells);
     return range_of_wall(t, a.map.resolution_m, range_max_m);
   }
-  const RayHit hit =
-      a.caster == RayCaster::dda ? cast_dda(a.map, ray, reach_cells) : cast_skip(a.map, ray, reach_cells);
-  return range_of_hit(ray, hit, a.map.resolution_m, range_max_m);
+  if (a.caster == RayCaster::skip) return range_by_skip(a.map, ray, reach_cells, range_max_m);
+  return range_of_hit(ray, cast_dda(a.map, ray, reach_cells), a.map.resolution_m, range_max_m);
 }
 
 }  // namespace parloc

@@ -23,10 +23,18 @@ PARLOC_HD float tempered_log_weight(float previous, std::int64_t beam_sum, float
   return fused(static_cast<float>(beam_sum), tempering * unit_nat, previous);
 }
 
+/// Of a number that is not 0.
+PARLOC_HD int leading_zeros(std::uint64_t x) {
+#if defined(__CUDA_ARCH__)
+  return __clzll(static_cast<long long>(x));
+#else
+  return __builtin_clzll(x);
+#endif
+}
+
 /// Bits of a fixed-point weight: S = min(40, 62 - ceil(log2 N)), so that N weights never overflow (SPEC 5.4).
 PARLOC_HD int weight_bits(std::uint64_t particles) {
-  int log2_ceil = 0;
-  while ((std::uint64_t{1} << log2_ceil) < particles) ++log2_ceil;
+  const int log2_ceil = particles > 1 ? 64 - leading_zeros(particles - 1) : 0;
   const int bits = 62 - log2_ceil;
   return bits < 40 ? bits : 40;
 }

@@ -67,11 +67,8 @@ nlohmann::json counted() {
   nlohmann::json kernels;
   for (const auto& [kernel, counts] : ptx::counts_of_all()) {
     nlohmann::json& k = kernels[ptx::readable_name(kernel->name)];
-    k = {{"symbol", kernel->name},
-         {"launches", counts.launches},
-         {"blocks", counts.blocks},
-         {"threads", counts.threads},
-         {"longest_warp", counts.longest_warp}};
+    k = {{"symbol", kernel->name},    {"launches", counts.launches},         {"blocks", counts.blocks},
+         {"threads", counts.threads}, {"longest_warp", counts.longest_warp}, {"issued_in", counts.issued_in}};
     for (std::size_t kind = 0; kind < ptx::kKinds; ++kind)
       if (counts.issued[kind] > 0) k["issued"][ptx::kKindNames[kind]] = counts.issued[kind];
   }

@@ -61,14 +61,16 @@ struct Trace {
   std::vector<StepState> states;
 };
 
+constexpr std::uint32_t kSteps = 7;  // enough for recorded steps to be started again
+
 Trace run(FilterBackend& backend, const FilterBackendConfig& config, std::int64_t particles, bool fused,
-          const GridMap& map = small_room()) {
+          const GridMap& map = small_room(), std::uint32_t steps = kSteps) {
   backend.set_map(map);
   BeamTable beams;
   BeamCounts counts;
   backend.upload(uniform_start(map, particles, 7));
   Trace t;
-  for (std::uint32_t step = 0; step < 7; ++step) {  // enough for recorded steps to be started again
+  for (std::uint32_t step = 0; step < steps; ++step) {
     ScanConfig scan_config;
     scan_config.max_beams = step == 1 ? 110 : 40 + 10 * (step % 3);
     Scan scan = fan(120 - step);
@@ -175,6 +177,30 @@ TEST_P(Backends, GpuEqualsCpu) {
   std::string why;
   PARLOC_NEEDS_GPU(gpu = make_filter_backend(BackendChoice::cuda, config(9001, 1), why));
   expect_same(cpu(9001, 2), run(*gpu, config(9001, 1), 9001, true, map()));
+}
+
+// So many that the kernels spread them in another way.
+constexpr std::int64_t kMany = 33001;
+
+Trace of_many(FilterBackend& backend, const FilterBackendConfig& config) {
+  return run(backend, config, kMany, true, small_room(), 2);
+}
+FilterBackendConfig config_of_many() {
+  return {.particles = kMany, .threads = 2, .sensor = default_sensor(SensorModel::likelihood_field)};
+}
+
+TEST(ManyParticles, KernelBodiesOnTheHostAgree) {
+  const FilterBackendConfig c = config_of_many();
+  expect_same(of_many(*make_cpu_filter_backend(c), c),
+              of_many(*cuda_on_host::make_filter_backend_on_host(c), c));
+}
+
+TEST(ManyParticles, GpuEqualsCpu) {
+  const FilterBackendConfig c = config_of_many();
+  std::unique_ptr<FilterBackend> gpu;
+  std::string why;
+  PARLOC_NEEDS_GPU(gpu = make_filter_backend(BackendChoice::cuda, c, why));
+  expect_same(of_many(*make_cpu_filter_backend(c), c), of_many(*gpu, c));
 }
 
 std::vector<Case> all_cases() {

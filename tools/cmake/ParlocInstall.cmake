@@ -9,6 +9,7 @@ set(PARLOC_PUBLIC_HEADERS
   eval/metrics.h
   filter/compute_config.h
   filter/filter_config.h
+  filter/filter_group.h
   filter/particle_filter.h
   filter/pose_filter.h
   filter/pose_guess.h

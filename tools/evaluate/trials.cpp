@@ -11,6 +11,7 @@
 
 #include "common/error.h"
 #include "common/eval/metrics.h"
+#include "common/filter/filter_group.h"
 #include "common/inputs/open_truth.h"
 #include "common/simulator/wander.h"
 #include "tools/program/run_items.h"
@@ -65,6 +66,7 @@ std::vector<TrialResult> run_trials(const TrialsRequest& request, const LogSourc
                                     const GridMap& map) {
   LocalizerConfig config = request.config;
   config.threads = 1;
+  if (request.jobs > 1) config.group = make_filter_group(config);
   std::vector<std::optional<TrialResult>> results(
       request.trials);  // each written by the one thread that has it
   std::vector<std::atomic<double>> fractions(

@@ -2,7 +2,8 @@
 """How long a filter step would take on GPUs that are not here: an estimate, to hold a first measurement against.
 
 The program count_step (tests/ptx) runs one full step on nvcc's PTX and counts what every warp issues. cuobjdump, if it is
-found, says how many instructions of SASS the PTX became and how many registers they take. A kernel takes the longest of
+found, says how many instructions of SASS the PTX became, in loops of each depth (a compiler that repeats in a loop of
+PTX what the assembler moves out again would else be believed), and how many registers they take. A kernel takes the longest of
   issue    all that its warps issue, over the schedulers of all multiprocessors;
   chain    what its longest warp issues, one after the other, with assumed latencies, times the rounds in which its warps fit;
 and from one node of the graph to the next passes a constant time. Not in it: caches, bandwidth of memory, clocks that fall.
@@ -10,6 +11,7 @@ and from one node of the graph to the next passes a constant time. Not in it: ca
 Usage: gpu_model.py [BUILD] [--cuobjdump FILE]         default: build/cuda-nogpu; writes docs/results/gpu_model.md"""
 
 import argparse
+import collections
 import dataclasses
 import datetime
 import json
@@ -41,31 +43,99 @@ LATENCY = {"integer": 4.5, "float32": 4.5, "float64": 8, "control": 6, "other me
            "global": 120, "atomic": 200}  # fmt: skip
 
 HALL, OFFICE = "configs/paz2012_scenario.yaml", "configs/office_scenario.yaml"
-# Counted with so many particles, and said of so many: what grids of thousands of blocks issue grows with them.
-CASES = [(place, path, model, counted, said) for place, path in (("hall", HALL), ("office", OFFICE))
-         for model, counted, said in (("beam", 4000, 4000), ("likelihood_field", 4000, 4000), ("beam", 40000, 1000000),
-                                      ("gaussian", 40000, 1000000), ("likelihood_field", 40000, 1000000))]  # fmt: skip
-BEAMS = 200
+# Counted with so many particles, and said of so many: what grids of thousands of blocks issue grows with them. And of
+# so many filters, whose kernels are started together (cuda/step_group.h).
+CASES = [(place, path, model, counted, said, filters) for place, path in (("hall", HALL), ("office", OFFICE))
+         for model, counted, said, filters in (("beam", 4000, 4000, 1), ("likelihood_field", 4000, 4000, 1),
+                                               ("beam", 4000, 4000, 64), ("likelihood_field", 4000, 4000, 64),
+                                               ("beam", 40000, 1000000, 1), ("gaussian", 40000, 1000000, 1),
+                                               ("likelihood_field", 40000, 1000000, 1))]  # fmt: skip
+BEAMS, NODES_OF_A_GROUP = 200, 2  # two copies are kernels then, beside the copies of what they copy
+
+
+def by_depth(items):
+    """How many instructions lie in so many loops: {depth: count}, and the depth of each item. `items`: (label in front or
+    None, instructions, labels that its branches go to), in the order of the text. Branches back are loops."""
+    at = {label: k for k, (label, _, _) in enumerate(items) if label is not None}
+    end = {}  # of the loop that begins there
+    for k, (_, _, targets) in enumerate(items):
+        for head in (at[t] for t in targets if t in at and at[t] <= k):
+            end[head] = max(end.get(head, 0), k)
+    depths = [sum(head <= k <= last for head, last in end.items()) for k in range(len(items))]
+    counts = collections.Counter()
+    for depth, (_, count, _) in zip(depths, items, strict=True):
+        counts[depth] += count
+    return counts, depths
+
+
+def sass_by_depth(function):
+    """Without what lies behind the first address that is called: what divisions and roots do with denormal numbers,
+    infinities and the like, one piece for all of them, hardly ever runs."""
+    called = [int(at, 16) for at in re.findall(r"CALL\.REL\.NOINC (0x[0-9a-f]+)", function)]
+    first = min(called, default=len(function) * 16)
+    items = []
+    for place, words in re.findall(r"/\*([0-9a-f]{4,})\*/ +([^/]*;)", function):
+        at, branch = int(place, 16), re.search(r"\bBRA\b[^;]*0x([0-9a-f]+)", words)
+        if at < first and "NOP" not in words:
+            items.append((at, 1, [int(branch[1], 16)] if branch and int(branch[1], 16) != at else []))
+    return by_depth(items)[0]
+
+
+def ptx_by_depth(text):
+    """By symbol, of the C++ that was written of a module's PTX: instructions by depth, and the depth of each piece."""
+    symbols = re.findall(r'^    \{"(\w+)", "\w+\.ptx", kernel\d+', text, re.M)
+    result = {}
+    for number, symbol in enumerate(symbols):
+        table = re.search(rf"pieces{number}\[\] = \{{\n(.*?)\{{\}}\}};", text, re.S)[1]
+        sizes = [sum(map(int, row.split(","))) for row in re.findall(r"\{([\d, ]+)\}", table)]
+        body = re.search(rf"^Outcome kernel{number}\(.*?^\}}", text, re.S | re.M)[0]
+        items, label = [], None
+        for name, piece, target in re.findall(r"^(\w+):;|thread\.visit\((\d+)\)|goto (\w+);", body, re.M):
+            if name:
+                label = name
+            elif piece:
+                items.append((label, sizes[int(piece)], []))
+                label = None
+            elif items:
+                items[-1][2].append(target)
+        result[symbol] = by_depth(items)
+    return result
+
+
+def ratios_by_piece(ptx, sass):
+    """Instructions of SASS for one of PTX, of each piece: that of its depth of loops, where both have loops as deep."""
+    counts, depths = ptx
+    if sass is None:
+        return [1.0] * len(depths)
+    if set(counts) != set(sass):
+        return [sum(sass.values()) / max(sum(counts.values()), 1)] * len(depths)
+    return [sass[depth] / max(counts[depth], 1) for depth in depths]
+
+
+def of_many(symbol):
+    """What both run_kernel<K> and run_many<K> (cuda/launch.h) have in their symbols, and which of them it is."""
+    found = re.match(r"(.*?)(10run_kernel|8run_many)(I.*E)E+v", symbol)
+    return (found[1] + found[3].rstrip("E"), found[2] == "8run_many") if found else (symbol, False)
 
 
 def static_counts(build, cuobjdump):
-    """By kernel: instructions of SASS for one of PTX, and registers."""
-    ptx = {}
-    for file in (build / "tests/ptx/parloc_kernels_on_ptx").glob("*.ptx"):
-        for name, body in re.findall(r"\.entry\s+(\S+?)\(.*?\n\{\n(.*?)\n\}\n", file.read_text(), re.S):
-            ptx[plain(name)] = len(re.findall(r"^\t(?!\.|//).*;", body, re.M))
-    if not cuobjdump:
-        return {name: (1.0, 64) for name in ptx}
-    sass, registers = {}, {}
-    for file in (build / "CMakeFiles/parloc.dir/cuda").glob("*.o"):
+    """By kernel: instructions of SASS for one of PTX, of each piece of it, and registers: alone and as one of many."""
+    ptx, sass, registers = {}, {}, {}
+    for file in (build / "tests/ptx/parloc_kernels_on_ptx").glob("*.ptx.cpp"):
+        ptx.update((plain(symbol), counts) for symbol, counts in ptx_by_depth(file.read_text()).items())
+    for file in (build / "CMakeFiles/parloc.dir/cuda").glob("*.o") if cuobjdump else ():
         text = subprocess.run([cuobjdump, "-sass", "-arch", "sm_90", file], capture_output=True, text=True, check=True).stdout
         for function in text.split("Function : ")[1:]:
-            name = plain(function.split(None, 1)[0])
-            sass[name] = sum(" NOP" not in line for line in re.findall(r"/\*[0-9a-f]{4,}\*/ +[^/]*;", function))
+            sass[plain(function.split(None, 1)[0])] = sass_by_depth(function)
         text = subprocess.run([cuobjdump, "-res-usage", file], capture_output=True, text=True, check=True).stdout
         for name, count in re.findall(r"Function (\S+):\s+REG:(\d+)", text):
-            registers[plain(name)] = int(count)
-    return {name: (sass.get(name, ptx[name]) / max(ptx[name], 1), registers.get(name, 64)) for name in ptx}
+            registers[of_many(plain(name))] = int(count)
+    result = {}
+    for name, counts in ptx.items():
+        kernel, _ = of_many(name)
+        alone = registers.get((kernel, False), 64)
+        result[name] = (ratios_by_piece(counts, sass.get(name)), (alone, registers.get((kernel, True), alone)))
+    return result
 
 
 def kernel_us(gpu, kernel, growth, ratio, registers):
@@ -86,19 +156,25 @@ def count_step(build, path, model, particles):
 
 
 def model_case(case, counts, statics):
-    place, _, model, counted, said = case
+    place, _, model, counted, said, filters = case
     growth, rows, totals = said / counted, [], dict.fromkeys(GPUS, 0.0)
     for name, kernel in counts["kernels"].items():
-        ratio, registers = statics.get(kernel["symbol"], (1.0, 64))
+        ratios, registers = statics[plain(kernel["symbol"])]
+        registers = registers[filters > 1]
+        in_sass = sum(ratio * n for ratio, n in zip(ratios, kernel["issued_in"], strict=True))
+        ratio = in_sass / sum(kernel["issued_in"])
         grows = growth if kernel["blocks"] > 16 or kernel["threads"] >= counted // 8 else 1.0
+        grows *= filters
         times = {gpu: kernel_us(gpu, kernel, grows, ratio, registers) for gpu in GPUS}
         for gpu in GPUS:
             totals[gpu] += max(times[gpu])
         rows.append((name, sum(kernel["issued"].values()) * grows, ratio, registers, *times[GPUS[0]]))
     nodes = sum(kernel["launches"] for kernel in counts["kernels"].values()) + counts["copies"]
+    nodes += NODES_OF_A_GROUP if filters > 1 else 0
     for gpu in GPUS:
         totals[gpu] += nodes * gpu.node_us
-    return {"place": place, "model": model, "particles": said, "nodes": nodes, "rows": rows, "totals": totals}
+    size = str(said) if filters == 1 else f"{filters} x {said}"
+    return {"place": place, "model": model, "particles": size, "nodes": nodes, "rows": rows, "totals": totals}
 
 
 def page(results, cuobjdump):

@@ -53,7 +53,7 @@ class FilterEngine final : public FilterBackend {
  public:
   explicit FilterEngine(const FilterBackendConfig& config)
       : config_(config),
-        queue_(Space::Queue::open(config.threads, config.device)),  // before anything is allocated
+        queue_(Space::Queue::open(config.threads, config.device, config.group)),  // before all that allocates
         cloud_(static_cast<std::size_t>(config.particles), config_.resample),
         bins_(cloud_.capacity(), queue_) {
     queue_.reserve(cloud_.capacity());
@@ -184,8 +184,7 @@ class FilterEngine final : public FilterBackend {
     queue_.use();
     const unsigned planned = std::exchange(planned_, 0u);  // whatever comes of it, it is not tried again
     if (planned == 0) return;
-    recordings_.run(planned + 2 * kResample * cloud_.turn(), queue_, [=, this] { start_stages(planned); });
-    queue_.wait();
+    recordings_.finish(planned + 2 * kResample * cloud_.turn(), queue_, [=, this] { start_stages(planned); });
     weighed_count_ = state_.host()->count;
     if ((planned & kResample) != 0) {
       cloud_.take_turns();

@@ -198,8 +198,9 @@ struct LeapAxis {
 /// The same cells, leaping as many lines of the ray's main axis as the skip field promises. Exact: a leap
 /// ends at a grid crossing, and the other axis' index at that crossing is decided by its own crossings
 /// (index_at). A leap of one line may cross into the next row first: that is a step of its own, for its cell
-/// may block. From `s`, a cell that the ray passes.
-PARLOC_HD RayHit skip_from(const RayMap& m, const Ray& r, const RayStart& s, float reach_cells) {
+/// may block. From `s`, a cell that the ray passes. Ends where it may not go on, which may be off the map, or
+/// a little beyond reach.
+PARLOC_HD RayHit skip_to_end(const RayMap& m, const Ray& r, const RayStart& s, float reach_cells) {
   if (!s.inside) return {0, 0, false};
   const std::int32_t octant = octant_of(r.dx, r.dy);
   const bool steep = (octant & 4) != 0;
@@ -220,10 +221,7 @@ PARLOC_HD RayHit skip_from(const RayMap& m, const Ray& r, const RayStart& s, flo
   for (;;) {
     const std::int32_t lines =
         plane[origin + static_cast<std::uint32_t>(line) * step + static_cast<std::uint32_t>(row) * side_step];
-    if (lines == 0) {
-      const std::int32_t i = x.mirrored(steep ? row : line), j = y.mirrored(steep ? line : row);
-      return {i, j, m.contains(i, j) && entry_parameter(r, i, j) < reach_cells};
-    }
+    if (lines == 0) return {x.mirrored(steep ? row : line), y.mirrored(steep ? line : row), true};
     const std::int32_t next = line + lines;
     const float t = main.crossing(static_cast<float>(next));
     const std::int32_t next_row = side.index_at(t, float_of(bits_of(t) - in_front));
@@ -234,8 +232,23 @@ PARLOC_HD RayHit skip_from(const RayMap& m, const Ray& r, const RayStart& s, flo
   }
 }
 
+/// From `s` to the blocking cell.
+PARLOC_HD RayHit skip_from(const RayMap& m, const Ray& r, const RayStart& s, float reach_cells) {
+  const RayHit end = skip_to_end(m, r, s, reach_cells);
+  const bool hit = end.hit && m.contains(end.i, end.j) && entry_parameter(r, end.i, end.j) < reach_cells;
+  return hit ? end : RayHit{0, 0, false};
+}
+
 PARLOC_HD RayHit cast_skip(const RayMap& m, const Ray& r, float reach_cells) {
   return skip_from(m, r, start_cell(m, r, reach_cells), reach_cells);
+}
+
+/// range_of_hit(cast_skip()), with one entry parameter for both.
+PARLOC_HD float range_by_skip(const RayMap& m, const Ray& r, float reach_cells, float range_max_m) {
+  const RayHit end = skip_to_end(m, r, start_cell(m, r, reach_cells), reach_cells);
+  const float t = entry_parameter(r, end.i, end.j);
+  const bool hit = end.hit && m.contains(end.i, end.j) && t < reach_cells;
+  return hit ? min_of(t * m.resolution_m, range_max_m) : range_max_m;
 }
 
 /// cast_fixed_step for rays that start outside or take long steps: every point is tested against the grid.

@@ -95,6 +95,7 @@ void Block::count_visits() const {
   constexpr std::size_t kLanes = 32;
   KernelCounts& counts = counts_of(*launch_.kernel);
   ++counts.blocks;
+  counts.issued_in.resize(launch_.kernel->piece_count);
   for (std::size_t first = 0; first < threads.size(); first += kLanes) {
     const std::size_t end = std::min(first + kLanes, threads.size());
     std::uint64_t issued = 0;
@@ -105,11 +106,13 @@ void Block::count_visits() const {
         most = std::max<std::uint64_t>(most, threads[i].visits[piece]);
       }
       if (most == 0) continue;
+      std::uint64_t& in_piece = counts.issued_in[piece];
       for (std::size_t kind = 0; kind < kKinds; ++kind) {
         const std::uint64_t here = launch_.kernel->pieces[piece][kind];
         counts.instructions[kind] += all * here;
         counts.issued[kind] += most * here;
         issued += most * here;
+        in_piece += most * here;
       }
     }
     counts.longest_warp = std::max(counts.longest_warp, issued);

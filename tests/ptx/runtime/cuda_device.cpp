@@ -12,7 +12,7 @@ namespace {
 
 // A device of compute capability 9.0, the one that the PTX was made for: CUB chooses its kernels by it.
 constexpr int kMajor = 9, kProcessors = 132;
-cudaError_t last_error = cudaSuccess;
+thread_local cudaError_t last_error = cudaSuccess;
 
 }  // namespace
 

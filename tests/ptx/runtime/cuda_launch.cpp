@@ -7,6 +7,7 @@
 #include <unordered_map>
 
 #include "tests/ptx/runtime/launch.h"
+#include "tests/ptx/runtime/lock.h"
 #include "tests/ptx/runtime/modules.h"
 #include "tests/ptx/runtime/names.h"
 #include "tests/ptx/runtime/report.h"
@@ -78,6 +79,7 @@ void start(const void* host, const Configuration& c, void** arguments) {
 extern "C" {
 
 void** __cudaRegisterFatBinary(void*) {
+  const ptx::RuntimeLock lock;
   static void* handle = nullptr;
   return &handle;
 }
@@ -86,19 +88,23 @@ void __cudaUnregisterFatBinary(void**) {}
 
 void __cudaRegisterFunction(void**, const char* host, char*, const char* name, int, uint3*, uint3*, dim3*,
                             dim3*, int*) {
+  const ptx::RuntimeLock lock;
   ptx::register_kernel(host, name);
 }
 
 void __cudaRegisterVar(void**, char* host, char*, const char* name, int, std::size_t, int, int) {
+  const ptx::RuntimeLock lock;
   ptx::register_symbol(host, name);
 }
 
 unsigned __cudaPushCallConfiguration(dim3 blocks, dim3 threads, std::size_t shared, cudaStream_t stream) {
+  const ptx::RuntimeLock lock;
   ptx::configuration() = {blocks, threads, shared, stream};
   return 0;
 }
 
 cudaError_t __cudaPopCallConfiguration(dim3* blocks, dim3* threads, std::size_t* shared, void* stream) {
+  const ptx::RuntimeLock lock;
   *blocks = ptx::configuration().blocks;
   *threads = ptx::configuration().threads;
   *shared = ptx::configuration().shared;
@@ -108,22 +114,26 @@ cudaError_t __cudaPopCallConfiguration(dim3* blocks, dim3* threads, std::size_t*
 
 /// A kernel's handle is the address that stands for it.
 cudaError_t __cudaGetKernel(cudaKernel_t* kernel, const void* host) {
+  const ptx::RuntimeLock lock;
   *kernel = static_cast<cudaKernel_t>(const_cast<void*>(host));
   return cudaSuccess;
 }
 
 cudaError_t cudaLaunchKernel(const void* host, dim3 blocks, dim3 threads, void** arguments,
                              std::size_t shared, cudaStream_t stream) {
+  const ptx::RuntimeLock lock;
   ptx::start(host, {blocks, threads, shared, stream}, arguments);
   return cudaSuccess;
 }
 
 cudaError_t __cudaLaunchKernel(cudaKernel_t kernel, dim3 blocks, dim3 threads, void** arguments,
                                std::size_t shared, cudaStream_t stream) {
+  const ptx::RuntimeLock lock;
   return cudaLaunchKernel(static_cast<const void*>(kernel), blocks, threads, arguments, shared, stream);
 }
 
 cudaError_t cudaFuncSetAttribute(const void* host, cudaFuncAttribute attribute, int value) {
+  const ptx::RuntimeLock lock;
   if (attribute == cudaFuncAttributeMaxDynamicSharedMemorySize)
     ptx::allowed_shared()[&ptx::kernel_of(host)] = static_cast<std::uint32_t>(value);
   return cudaSuccess;

@@ -12,6 +12,7 @@
 
 #include "tests/ptx/runtime/cuda_error.h"
 #include "tests/ptx/runtime/device_memory.h"
+#include "tests/ptx/runtime/lock.h"
 #include "tests/ptx/runtime/modules.h"
 #include "tests/ptx/runtime/report.h"
 #include "tests/ptx/runtime/settings.h"
@@ -101,6 +102,7 @@ void copy(void* to, const void* from, std::size_t bytes, cudaMemcpyKind kind, St
 extern "C" {
 
 cudaError_t cudaMalloc(void** at, std::size_t bytes) {
+  const ptx::RuntimeLock lock;
   ptx::Stream::forbid_while_recording("memory is allocated");
   *at = nullptr;
   if (ptx::fails_now()) return ptx::remember(cudaErrorMemoryAllocation);
@@ -112,6 +114,7 @@ cudaError_t cudaMalloc(void** at, std::size_t bytes) {
 }
 
 cudaError_t cudaFree(void* at) {
+  const ptx::RuntimeLock lock;
   if (at == nullptr) return cudaSuccess;
   ptx::Stream::forbid_while_recording("memory is freed");
   ptx::Stream::run_all();
@@ -121,6 +124,7 @@ cudaError_t cudaFree(void* at) {
 }
 
 cudaError_t cudaMallocHost(void** at, std::size_t bytes) {
+  const ptx::RuntimeLock lock;
   ptx::Stream::forbid_while_recording("memory is allocated");
   *at = nullptr;
   if (ptx::fails_now()) return ptx::remember(cudaErrorMemoryAllocation);
@@ -132,6 +136,7 @@ cudaError_t cudaMallocHost(void** at, std::size_t bytes) {
 }
 
 cudaError_t cudaFreeHost(void* at) {
+  const ptx::RuntimeLock lock;
   if (at == nullptr) return cudaSuccess;
   ptx::Stream::forbid_while_recording("memory is freed");
   ptx::Stream::run_all();
@@ -143,18 +148,21 @@ cudaError_t cudaFreeHost(void* at) {
 
 cudaError_t cudaMemcpyAsync(void* to, const void* from, std::size_t bytes, cudaMemcpyKind kind,
                             cudaStream_t stream) {
+  const ptx::RuntimeLock lock;
   ptx::copy(to, from, bytes, kind, ptx::stream_of(stream));
   return cudaSuccess;
 }
 
 cudaError_t cudaMemcpyToSymbolAsync(const void* symbol, const void* from, std::size_t bytes,
                                     std::size_t offset, cudaMemcpyKind kind, cudaStream_t stream) {
+  const ptx::RuntimeLock lock;
   const std::uint64_t to = ptx::symbol_of(symbol).address + offset;
   ptx::copy(reinterpret_cast<void*>(to), from, bytes, kind, ptx::stream_of(stream));
   return cudaSuccess;
 }
 
 cudaError_t cudaMemsetAsync(void* at, int value, std::size_t bytes, cudaStream_t stream) {
+  const ptx::RuntimeLock lock;
   ptx::check_side(at, bytes, true, "to");
   char* to = ptx::DeviceMemory::instance().bytes_at(ptx::number(at));
   ptx::stream_of(stream).add([=] { std::memset(to, value, bytes); });

@@ -4,6 +4,7 @@
 
 #include <map>
 #include <string>
+#include <vector>
 
 #include "tests/ptx/device/thread.h"
 
@@ -25,9 +26,10 @@ void note_race(const Thread& thread, const std::string& what);
 struct KernelCounts {
   using ByKind = std::array<std::uint64_t, kKinds>;
   std::uint64_t launches = 0, blocks = 0, threads = 0;
-  ByKind instructions{};           // of all threads
-  ByKind issued{};                 // of all warps, whose lanes go through a piece together
-  std::uint64_t longest_warp = 0;  // issued by one warp, at most
+  ByKind instructions{};                 // of all threads
+  ByKind issued{};                       // of all warps, whose lanes go through a piece together
+  std::vector<std::uint64_t> issued_in;  // of these, in each piece between two branches or labels
+  std::uint64_t longest_warp = 0;        // issued by one warp, at most
 };
 KernelCounts& counts_of(const Kernel& kernel);
 const std::map<const Kernel*, KernelCounts>& counts_of_all();

@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "common/eval/run_trial.h"
+#include "common/filter/filter_group.h"
 #include "common/localize/localizer.h"
 #include "tools/program/run_items.h"
 
@@ -78,6 +79,7 @@ bool drive_twice(PreparedDrive& drive, Localizers& localizers, const std::functi
 std::vector<DriveResult> run_drives(const DrivesRequest& request, const DriveSource& source) {
   LocalizerConfig config = request.config;
   config.threads = 1;
+  if (request.jobs > 1) config.group = make_filter_group(config);
   std::vector<std::optional<DriveResult>> results(
       source.drives);  // each written by the one thread that has it
   std::vector<std::atomic<double>> fractions(
