@@ -117,6 +117,27 @@ TEST(Pages, FitTheTerminal) {
   }
 }
 
+// The rows of a peer are those of its model on as many threads; what was not measured is not there.
+TEST(Pages, StandBesideOtherPrograms) {
+  Results results = made_up(false);
+  const Place place{"no_hit", "tracking"};
+  EXPECT_TRUE(peers_table(results, place).rows.empty());
+  Row row{Sweep::peers,
+          place,
+          results.index_of({Algorithm::parloc, BackendChoice::cpu, 2, 0, SensorModel::beam}),
+          kPeerParticles,
+          kPeerBeams,
+          {},
+          {}};
+  row.time = summarise_times({0.0047});
+  results.rows.push_back(row);
+  const Table table = peers_table(results, place);
+  ASSERT_EQ(table.rows.size(), 1u);
+  EXPECT_EQ(table.rows[0], (std::vector<std::string>{"beam", "Beluga", "2", "188", "4.70", "40.0 x"}));
+  for (const std::string& line : lines_of(terminal_page(results))) EXPECT_LE(line.size(), 100u) << line;
+  expect_parts(terminal_page(results), {"Beluga", "40.0 x"});
+}
+
 TEST(Pages, MarkWhatIsWithinTheBudgetAndGiveRatios) {
   const Results results = made_up(false);
   const Table table = published_table(results, {"no_hit", "tracking"}, published_tables()[1]);

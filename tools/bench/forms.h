@@ -19,6 +19,9 @@ Table published_table(const Results& results, const Place& place, const Publishe
 /// detail.
 Table summary_table(const Results& results, const Place& place);
 
+/// Other programs' times, recorded on another machine, beside those of the same models here.
+Table peers_table(const Results& results, const Place& place);
+
 /// Every row of a sweep with median, quartiles, p99, number of steps, rays per second.
 Table detail_table(const Results& results, const Place& place, Sweep sweep);
 

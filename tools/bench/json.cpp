@@ -36,6 +36,20 @@ Json published_json() {
   return tables;
 }
 
+Json peers_json() {
+  Json peers{{"machine", kPeerMachine},
+             {"scene", kPeerScene},
+             {"particles", kPeerParticles},
+             {"beams", kPeerBeams},
+             {"times", Json::array()}};
+  for (const PeerTime& t : peer_times())
+    peers["times"].push_back({{"program", t.program},
+                              {"sensor_model", name_of(t.model, kSensorModels)},
+                              {"threads", t.threads},
+                              {"seconds", t.seconds}});
+  return peers;
+}
+
 Json variants_json(const Results& r) {
   Json variants = Json::array();
   for (std::size_t v = 0; v < r.variants.size(); ++v) {
@@ -135,6 +149,7 @@ std::string json_text(const Results& r) {
   json["scenes"] = Json::array();
   for (const SceneFacts& s : r.scenes) json["scenes"].push_back({{"name", s.name}, {"what", s.what}});
   json["published"] = published_json();
+  json["peers"] = peers_json();
   json["variants"] = variants_json(r);
   json["rows"] = Json::array();
   for (const Row& row : r.rows) json["rows"].push_back(row_json(r, row));

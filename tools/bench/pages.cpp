@@ -27,6 +27,7 @@ Tables tables_of(const Results& r, const Place& place) {
   if (!r.scale) {
     for (const PublishedTable& published : published_tables())
       add(t.first, published_table(r, place, published));
+    add(t.gist, peers_table(r, place));
     add(t.gist, summary_table(r, place));
     Table details = detail_table(r, place, Sweep::tables);
     details.title = "Every time";
@@ -83,6 +84,11 @@ Facts facts(const Results& r) {
                    "downloads included"});
   add_fact(lines, "times", "medians of {} steps or more after a warm-up, about {:g} s per row",
            r.rules.least_steps, r.rules.seconds);
+  if (!r.scale)
+    lines.push_back(
+        {"others",
+         "the sensor model that the table names, with its defaults; another machine, so that their ratio is "
+         "a hint, no measurement"});
   if (!r.scale)
     lines.push_back({"marks",
                      "* within 40 ms; ratio: time here over the published time; speed-up: over paz2012 on 1 "

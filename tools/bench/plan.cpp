@@ -42,6 +42,8 @@ struct BuiltRig {
   std::string why;
 };
 
+constexpr SensorModel kPeerModels[] = {SensorModel::beam, SensorModel::likelihood_field};
+constexpr std::size_t kMostPeerRows = 4;
 constexpr int kUsualBeams = 200;
 constexpr std::int64_t kLeastParticles = 64;  // of the search for the largest
 
@@ -143,6 +145,28 @@ void Sweeper::largest(std::size_t variant, double budget_s) {
   }
 }
 
+/// Beside other programs: one size, their sensor models, one thread and two.
+void measure_peers(const Plan& plan, const Scene& scene, Cloud cloud, Recorder& recorder, Results& results) {
+  const Place place{scene.name, kCloudNames[static_cast<std::size_t>(cloud)]};
+  for (const SensorModel model : kPeerModels)
+    for (const int threads : {1, 2}) {
+      if (threads > (plan.threads > 0 ? plan.threads : cores_here()) || !recorder.go_on()) continue;
+      const std::size_t variant =
+          results.index_of({Algorithm::parloc, BackendChoice::cpu, threads, 0, model});
+      std::string why;
+      const std::unique_ptr<Rig> rig = recorder.make_rig(scene, cloud, variant, kPeerParticles, why);
+      recorder.measure_row(rig.get(), {Sweep::peers, place, variant, kPeerParticles, kPeerBeams, {}, {}},
+                           why);
+    }
+}
+
+/// Whether the plan has the size and the place of the peers' times.
+bool has_peers(const Plan& plan, const Scene& scene, Cloud cloud) {
+  return scene.name == kPeerScene && cloud == Cloud::tracking && plan.max_particles >= kPeerParticles &&
+         plan.max_beams >= kPeerBeams &&
+         std::count(plan.algorithms.begin(), plan.algorithms.end(), Algorithm::parloc) > 0;
+}
+
 }  // namespace
 
 void measure_tables(const Plan& plan, const std::vector<Scene>& scenes, const Control& control,
@@ -153,7 +177,8 @@ void measure_tables(const Plan& plan, const std::vector<Scene>& scenes, const Co
   const std::vector<int> beam_sizes = beam_counts(plan);
   Recorder recorder(
       control, results,
-      scenes.size() * plan.clouds.size() * choice.variants.size() * sizes.size() * beam_sizes.size());
+      scenes.size() * plan.clouds.size() * choice.variants.size() * sizes.size() * beam_sizes.size() +
+          kMostPeerRows);
   for (const Scene& scene : scenes) {
     for (const Cloud cloud : plan.clouds) {
       for (const std::int64_t particles : sizes) {
@@ -171,6 +196,7 @@ void measure_tables(const Plan& plan, const std::vector<Scene>& scenes, const Co
           }
         }
       }
+      if (has_peers(plan, scene, cloud)) measure_peers(plan, scene, cloud, recorder, results);
     }
   }
 }

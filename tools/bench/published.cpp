@@ -33,6 +33,18 @@ const std::array<PublishedTable, 3>& published_tables() {
   return tables;
 }
 
+// Measured for parloc on one machine in one run; the inexact ones are range_libc's tables of ranges.
+std::span<const PeerTime> peer_times() {
+  using enum SensorModel;
+  static constexpr PeerTime times[] = {{"nav2 (amcl)", beam, 1, 0.195},
+                                       {"Beluga", beam, 2, 0.188},
+                                       {"range_libc PCDDT", beam, 1, 0.0323},
+                                       {"range_libc GLT, inexact", beam, 1, 0.00823},
+                                       {"nav2 (amcl)", likelihood_field, 1, 0.0293},
+                                       {"Beluga", likelihood_field, 2, 0.00311}};
+  return times;
+}
+
 std::optional<double> published_seconds(const PublishedTable& table, std::int64_t particles, int beams) {
   const auto row = std::find(kPublishedParticles.begin(), kPublishedParticles.end(), particles);
   const auto column = std::find(kPublishedBeams.begin(), kPublishedBeams.end(), beams);

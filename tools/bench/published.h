@@ -5,6 +5,9 @@
 #include <cstddef>
 #include <cstdint>
 #include <optional>
+#include <span>
+
+#include "common/model/sensor_config.h"
 
 namespace parloc::tools::bench {
 
@@ -23,6 +26,21 @@ struct PublishedTable {
 };
 
 const std::array<PublishedTable, 3>& published_tables();
+
+/// What another program takes for the step that `parloc bench` measures as a peer row: hall with obstacles,
+/// tracking, kPeerParticles x kPeerBeams, nothing given up early.
+struct PeerTime {
+  const char* program;
+  SensorModel model;
+  int threads;
+  double seconds;
+};
+inline constexpr std::int64_t kPeerParticles = 4000;
+inline constexpr int kPeerBeams = 200;
+inline constexpr const char* kPeerScene = "hall_obstacles";
+/// Where the times of the peers were measured, all of them in one run.
+inline constexpr const char* kPeerMachine = "2 cores of a Xeon with AVX-512";
+std::span<const PeerTime> peer_times();
 
 /// Empty for a size that is not in the tables.
 std::optional<double> published_seconds(const PublishedTable& table, std::int64_t particles, int beams);

@@ -91,7 +91,8 @@ void Recorder::measure_row(Rig* rig, Row row, const std::string& why) {
   const std::optional<TimeSummary> time = time_steps(*rig, row);
   if (!time) return;
   row.time = *time;
-  if (row.sweep != Sweep::tables && !control_.out_of_time()) add_stages(*rig, row);
+  if (row.sweep != Sweep::tables && row.sweep != Sweep::peers && !control_.out_of_time())
+    add_stages(*rig, row);
   results_.rows.push_back(std::move(row));
 }
 

@@ -15,8 +15,8 @@
 
 namespace parloc::tools::bench {
 
-enum class Sweep { tables, particles, beams, threads };
-inline constexpr const char* kSweepNames[] = {"tables", "particles", "beams", "threads"};
+enum class Sweep { tables, particles, beams, threads, peers };
+inline constexpr const char* kSweepNames[] = {"tables", "particles", "beams", "threads", "peers"};
 
 /// Where a time was taken. Scene and cloud by name.
 struct Place {

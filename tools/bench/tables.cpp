@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <numeric>
 
+#include "common/model/model_settings.h"
 #include "tools/bench/forms.h"
 #include "tools/report/text/numbers.h"
 
@@ -126,6 +127,27 @@ Table summary_table(const Results& results, const Place& place) {
     cells.push_back(comparable ? significant(base->time.median_s / row->time.median_s, 3) + " x" : "-");
     table.rows.push_back(std::move(cells));
   }
+  return table;
+}
+
+Table peers_table(const Results& results, const Place& place) {
+  Table table;
+  table.title = fmt::format("Other programs on {}, parloc on this machine: {} [ms]", kPeerMachine,
+                            size_text(kPeerParticles, kPeerBeams));
+  table.columns = {{"", "model", true}, {"", "program", true}, {"", "threads"},
+                   {"", "there"},       {"", "parloc, here"},  {"", "ratio"}};
+  table.keys = 3;
+  for (const PeerTime& peer : peer_times())
+    for (const Row& row : results.rows) {
+      const Variant& v = results.variants[row.variant];
+      if (row.sweep != Sweep::peers || !(row.place == place) || v.model != peer.model ||
+          v.threads != peer.threads)
+        continue;
+      table.rows.push_back({std::string(name_of(peer.model, kSensorModels)), peer.program,
+                            std::to_string(peer.threads), milliseconds_text(peer.seconds),
+                            milliseconds_text(row.time.median_s),
+                            significant(peer.seconds / row.time.median_s, 3) + " x"});
+    }
   return table;
 }
 

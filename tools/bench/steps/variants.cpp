@@ -5,6 +5,7 @@
 #include <exception>
 
 #include "common/map/grid_map.h"
+#include "common/model/model_settings.h"
 #include "tools/report/machine/machine.h"
 
 namespace parloc::tools::bench {
@@ -36,7 +37,9 @@ std::string place_of(const Variant& v) {
 }
 
 std::string name_of(const Variant& v) {
-  return fmt::format("{}, {}", kAlgorithmNames[static_cast<std::size_t>(v.algorithm)], place_of(v));
+  const std::string model =
+      v.model == SensorModel::gaussian ? "" : fmt::format("{} model, ", name_of(v.model, kSensorModels));
+  return fmt::format("{}, {}{}", kAlgorithmNames[static_cast<std::size_t>(v.algorithm)], model, place_of(v));
 }
 
 FilterBackendConfig backend_config(const Variant& v, std::int64_t particles) {
@@ -45,9 +48,11 @@ FilterBackendConfig backend_config(const Variant& v, std::int64_t particles) {
   config.particles = particles;
   config.threads = v.threads;
   config.device = v.device;
-  config.sensor = default_sensor(SensorModel::gaussian);
-  config.sensor.sigma_hit = 0.1;
-  config.sensor.tempering = 1.0;
+  config.sensor = default_sensor(v.model);
+  if (v.model == SensorModel::gaussian) {
+    config.sensor.sigma_hit = 0.1;
+    config.sensor.tempering = 1.0;
+  }
   config.sensor.caster = paz2012 ? RayCaster::fixed_step : RayCaster::skip;
   config.sensor.fixed_step_cells = 0.5;
   config.resample.scheme = paz2012 ? ResampleScheme::multinomial_linear : ResampleScheme::systematic;

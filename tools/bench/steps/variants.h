@@ -20,8 +20,9 @@ inline constexpr std::array<const char*, 2> kAlgorithmNames{"paz2012", "parloc"}
 struct Variant {
   Algorithm algorithm = Algorithm::parloc;
   BackendChoice backend = BackendChoice::cpu;
-  int threads = 1;  ///< CPU.
-  int device = 0;   ///< CUDA.
+  int threads = 1;                            ///< CPU.
+  int device = 0;                             ///< CUDA.
+  SensorModel model = SensorModel::gaussian;  ///< Others only beside other programs, with their own defaults.
 
   bool operator==(const Variant&) const = default;
 };
