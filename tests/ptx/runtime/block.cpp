@@ -95,6 +95,7 @@ void Block::count_visits() const {
   constexpr std::size_t kLanes = 32;
   KernelCounts& counts = counts_of(*launch_.kernel);
   ++counts.blocks;
+  std::uint64_t longest = 0;
   for (std::size_t first = 0; first < threads.size(); first += kLanes) {
     const std::size_t end = std::min(first + kLanes, threads.size());
     std::uint64_t issued = 0;
@@ -112,8 +113,10 @@ void Block::count_visits() const {
         issued += most * here;
       }
     }
-    counts.longest_warp = std::max(counts.longest_warp, issued);
+    longest = std::max(longest, issued);
   }
+  counts.longest_warp = std::max(counts.longest_warp, longest);
+  counts.block_chains += longest;
 }
 
 Block::Progress Block::run_round(std::mt19937& order) {

@@ -28,6 +28,7 @@ struct KernelCounts {
   ByKind instructions{};           // of all threads
   ByKind issued{};                 // of all warps, whose lanes go through a piece together
   std::uint64_t longest_warp = 0;  // issued by one warp, at most
+  std::uint64_t block_chains = 0;  // the sum over blocks of what the longest warp of each issued
 };
 KernelCounts& counts_of(const Kernel& kernel);
 const std::map<const Kernel*, KernelCounts>& counts_of_all();
