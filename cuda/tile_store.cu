@@ -1,7 +1,6 @@
-#include <algorithm>
 #include <utility>
 
-#include "common/slam/matching/map_tables.h"
+#include "cuda/lists.h"
 #include "cuda/slam_stages.h"
 
 namespace parloc::PARLOC_CUDA_NAMESPACE {
@@ -11,9 +10,8 @@ TileStore::TileStore(Queue& queue) {
   const std::vector<Tile> empty(1);
   copy_down(tile(kNoTile), empty.data(), sizeof(Tile), queue);
   queue.wait();
-  std::vector<std::uint32_t> refs(capacity(), 0);
-  refs[kNoTile] = 1;  // never free
-  set_references(refs, queue);
+  fill(refs_.data(), 1, 1, queue);  // never free
+  used_.from_host({1}, queue);
 }
 
 void TileStore::read(const std::vector<std::uint32_t>& ids, Tile* to, const Queue& queue) const {
@@ -28,12 +26,12 @@ void TileStore::write(const std::vector<std::uint32_t>& ids, const Tile* from, Q
 
 void TileStore::set_references(const std::vector<std::uint32_t>& refs, Queue& queue) {
   refs_.from_host(refs, queue);
-  const auto free = static_cast<std::size_t>(std::count(refs.begin(), refs.end(), 0u));
-  used_.from_host({refs.size() - free}, queue);
+  used_.from_host({capacity() - count_zeros(refs_.data(), capacity(), queue)}, queue);
 }
 
 std::vector<std::uint32_t> TileStore::first_free(std::size_t count, const Queue& queue) const {
-  return parloc::first_free(refs_.to_host(capacity(), queue).data(), count);
+  list_zeros(refs_.data(), capacity(), ids_.data(), queue);
+  return ids_.to_host(count, queue);
 }
 
 void TileStore::make_room(std::size_t tiles, Queue& queue) {
@@ -46,15 +44,15 @@ void TileStore::make_room(std::size_t tiles, Queue& queue) {
   DeviceBuffer<std::uint32_t> refs;
   refs.reserve(chunks * kChunkTiles);
   used_.reserve(1);
+  queue.scratch.lists.reserve(list_scratch_bytes(chunks * kChunkTiles));
   free_.reserve(chunks * kChunkTiles), before_.reserve(sum_blocks(chunks * kChunkTiles));
   ids_.reserve(chunks * kChunkTiles), fresh_.reserve(chunks * kChunkTiles);
   std::vector<Tile*> first = first_;
   for (std::size_t k = 0; first.size() < chunks; ++k) first.push_back(more.data() + k * kChunkTiles);
   memory_.reserve(memory_.size() + 1);
 
-  const std::vector<std::uint32_t> none(chunks * kChunkTiles - before, 0);
   if (before > 0) copy_across(refs.data(), refs_.data(), before * sizeof(std::uint32_t), queue);
-  copy_down(refs.data() + before, none.data(), none.size() * sizeof(std::uint32_t), queue);
+  fill(refs.data() + before, chunks * kChunkTiles - before, 0, queue);
   chunk.from_host(first, queue);  // waits
   memory_.push_back(std::move(more));
   first_.swap(first);
