@@ -1,7 +1,7 @@
 // The engines on OpenMP.
 #include "common/filter/engine/filter_engine.h"
 #include "common/flow/flow_engine.h"
-#include "common/slam/slam_engine.h"
+#include "common/slam/engine/slam_engine.h"
 #include "cpu/space.h"
 
 namespace parloc {

@@ -4,10 +4,13 @@
 
 namespace parloc::cpu {
 
-void SlamStages::inherit_tiles(const SlamArgs& args, const std::uint32_t* ancestor, std::uint32_t* other,
-                               TileStore& store, Queue& workers) {
+void SlamStages::inherit_tiles(const SlamArgs& args, TileStore& store, Queue& workers) {
   const SlamMaps& maps = args.maps;
+  const std::uint32_t* const ancestor = args.ancestor;
   const std::size_t particles = args.particles.count(), size = maps.span.size();
+  for (std::size_t j = 0; j < particles; ++j) args.other_likelihood[j] = args.likelihood[ancestor[j]];
+  if (!has_resampled(args)) return;
+  std::uint32_t* const other = args.other_table;
   parallel_blocks(particles, workers.threads, 1, [&](std::size_t begin, std::size_t end) {
     for (std::size_t j = begin; j < end; ++j)
       std::memcpy(other + j * size, maps.table + ancestor[j] * size, size * sizeof(std::uint32_t));

@@ -5,7 +5,8 @@
 
 namespace parloc::cpu {
 
-void SlamStages::mark_tiles(const SlamArgs& args, Queue& workers) {
+void SlamStages::mark_tiles(const SlamArgs& given, Queue& workers) {
+  const SlamArgs args = with_input(given);
   const Beams& beams = args.beams;
   const std::size_t drawn = drawn_beams(beams, args.draw);
   const TileSpan& span = args.maps.span;
@@ -20,6 +21,7 @@ void SlamStages::mark_tiles(const SlamArgs& args, Queue& workers) {
     }
   };
   parallel_blocks(args.particles.count(), workers.threads, 1, loop);
+  for (std::size_t i = 0; i < args.particles.count(); ++i) args.tally->beyond += is_covered(args, i) ? 0 : 1;
 }
 
 }  // namespace parloc::cpu

@@ -3,7 +3,8 @@
 
 namespace parloc::cpu {
 
-void SlamStages::propose(const SlamArgs& args, Queue& workers) {
+void SlamStages::propose(const SlamArgs& given, Queue& workers) {
+  const SlamArgs args = with_input(given);
   const ProposeRules& rules = args.rules;
   const Particles& p = args.particles;
   const auto loop = [&](std::size_t begin, std::size_t end) PARLOC_SIMD_LOOP {
@@ -12,6 +13,7 @@ void SlamStages::propose(const SlamArgs& args, Queue& workers) {
     BeamSums sums;
     for (std::size_t i = begin; i < end; ++i) {
       const TileMap map = args.maps.of(i);
+      keep_one(args, i);
       Proposer proposer;
       proposer.begin(slam_pose(p, i), static_cast<std::uint32_t>(i), rules);
       while (!proposer.done()) {

@@ -4,7 +4,7 @@
 #include <memory>
 #include <vector>
 
-#include "common/slam/slam_stages.h"
+#include "common/slam/engine/slam_report.h"
 #include "cpu/parallel.h"
 
 namespace parloc::cpu {
@@ -15,7 +15,6 @@ class TileStore {
   explicit TileStore(Queue& queue);
   TilePool pool() const { return {chunk_.data()}; }
   std::uint32_t* refs() { return refs_.data(); }  ///< Tables that name a tile; 0: free.
-  const std::uint32_t* refs() const { return refs_.data(); }
   /// Tiles that there is room for, and tiles in use, the empty one included.
   std::size_t capacity() const { return refs_.size(); }
   std::size_t used(const Queue&) const { return used_; }
@@ -24,7 +23,8 @@ class TileStore {
   void write(const std::vector<std::uint32_t>& ids, const Tile* from, Queue& queue);
   /// What tables name from now on, and what they name.
   void set_references(std::vector<std::uint32_t> refs, Queue& queue);
-  std::vector<std::uint32_t> references(const Queue&) const { return refs_; }
+  /// The first `count` that no table names; there must be so many.
+  std::vector<std::uint32_t> first_free(std::size_t count, const Queue& queue) const;
   /// Room for so many in all. Throws std::bad_alloc before anything has changed.
   void make_room(std::size_t tiles, Queue& queue);
 
@@ -42,8 +42,10 @@ struct NewTile {
 };
 struct NewTiles {
   void reserve(std::size_t) {}
-  std::size_t count() const { return tiles.size(); }
+  void clear(Queue&) { counted = {}; }
+  SlamTally* tally() { return &counted; }
   std::vector<NewTile> tiles;
+  SlamTally counted;
 };
 
 struct SlamStages {

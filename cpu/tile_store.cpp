@@ -1,5 +1,6 @@
 #include <utility>
 
+#include "common/slam/matching/map_tables.h"
 #include "cpu/slam_stages.h"
 
 namespace parloc::cpu {
@@ -27,6 +28,10 @@ void TileStore::read(const std::vector<std::uint32_t>& ids, Tile* to, const Queu
 
 void TileStore::write(const std::vector<std::uint32_t>& ids, const Tile* from, Queue&) {
   for (const std::uint32_t id : ids) pool().at(id) = *from++;
+}
+
+std::vector<std::uint32_t> TileStore::first_free(std::size_t count, const Queue&) const {
+  return parloc::first_free(refs_.data(), count);
 }
 
 void TileStore::set_references(std::vector<std::uint32_t> refs, Queue&) {

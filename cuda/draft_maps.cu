@@ -77,7 +77,9 @@ std::vector<std::vector<PlacedScan>> rounds_of(const std::vector<PlacedScan>& pl
 
 }  // namespace
 
-DraftMaps::DraftMaps(const MatcherRules& rules, Queue& queue) : rules_(rules), queue_(queue), store_(queue) {}
+DraftMaps::DraftMaps(const MatcherRules& rules, Queue& queue) : rules_(rules), queue_(queue), store_(queue) {
+  new_tiles_.clear(queue);
+}
 
 void DraftMaps::clear() {
   count_ = 0;
@@ -113,10 +115,12 @@ void DraftMaps::make_tiles(std::size_t scans, std::size_t most_drawn) {
   args.maps = maps();
   args.particles.capacity = count_;
   args.touched = touched_.data();
+  args.tally = new_tiles_.tally();
   SlamStages::find_new_tiles(args, store_, new_tiles_, queue_);
-  const std::size_t used = store_.used(queue_);  // waits
-  store_.make_room(used + new_tiles_.count(), queue_);
-  args.maps = maps();
+  if (const SlamTally found = new_tiles_.counted(queue_); found.fits == 0) {
+    store_.make_room(static_cast<std::size_t>(found.used + found.needed), queue_);
+    SlamStages::find_new_tiles(args, store_, new_tiles_, queue_);
+  }
   SlamStages::assign_tiles(args, store_, new_tiles_, queue_);
 }
 

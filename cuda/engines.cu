@@ -1,7 +1,7 @@
 // The engines on CUDA; compiled as C++, those that run the kernels on the host for the tests.
 #include "common/filter/engine/filter_engine.h"
 #include "common/flow/flow_engine.h"
-#include "common/slam/slam_engine.h"
+#include "common/slam/engine/slam_engine.h"
 #include "cuda/space.h"
 
 namespace parloc {

@@ -3,38 +3,41 @@
 namespace parloc::PARLOC_CUDA_NAMESPACE {
 namespace {
 
+/// Likelihoods always, tables where the particles were resampled.
 struct CopyTables {
-  const std::uint32_t *ancestor, *from;
-  std::uint32_t *to, *refs;
-  std::size_t particles, size;
+  SlamArgs args;
+  std::uint32_t* refs;
   PARLOC_HD void operator()(const Thread& me) const {
+    const std::size_t particles = args.particles.count(), size = args.maps.span.size();
+    const std::uint32_t* const ancestor = args.ancestor;
+    for (std::size_t j = me.first(); j < particles; j += me.stride())
+      args.other_likelihood[j] = args.likelihood[ancestor[j]];
+    if (!has_resampled(args)) return;
     for (std::size_t k = me.first(); k < particles * size; k += me.stride()) {
-      const std::uint32_t id = from[ancestor[k / size] * size + k % size];
-      to[k] = id;
+      const std::uint32_t id = args.maps.table[ancestor[k / size] * size + k % size];
+      args.other_table[k] = id;
       if (id != kNoTile) atomic_add(&refs[id], 1u);
     }
   }
 };
 
 struct ReleaseTables {
-  const std::uint32_t* table;
+  SlamArgs args;
   std::uint32_t* refs;
-  std::uint64_t* freed;
-  std::size_t count;
+  std::uint64_t* used;
   PARLOC_HD void operator()(const Thread& me) const {
-    for (std::size_t k = me.first(); k < count; k += me.stride()) release(table[k], refs, freed);
+    if (!has_resampled(args)) return;
+    const std::size_t count = args.particles.count() * args.maps.span.size();
+    for (std::size_t k = me.first(); k < count; k += me.stride()) release(args.maps.table[k], refs, used);
   }
 };
 
 }  // namespace
 
-void SlamStages::inherit_tiles(const SlamArgs& args, const std::uint32_t* ancestor, std::uint32_t* other,
-                               TileStore& store, Queue& queue) {
-  const std::uint32_t* const table = args.maps.table;
-  const std::size_t particles = args.particles.capacity, size = args.maps.span.size();
-  const std::size_t count = particles * size;
-  launch(CopyTables{ancestor, table, other, store.refs(), particles, size}, blocks_for(count), queue);
-  launch(ReleaseTables{table, store.refs(), store.freed(), count}, blocks_for(count), queue);
+void SlamStages::inherit_tiles(const SlamArgs& args, TileStore& store, Queue& queue) {
+  const unsigned blocks = blocks_for(args.particles.capacity * args.maps.span.size());
+  launch(CopyTables{args, store.refs()}, blocks, queue);
+  launch(ReleaseTables{args, store.refs(), store.used()}, blocks, queue);
 }
 
 }  // namespace parloc::PARLOC_CUDA_NAMESPACE

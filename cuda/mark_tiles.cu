@@ -4,10 +4,22 @@
 namespace parloc::PARLOC_CUDA_NAMESPACE {
 namespace {
 
-/// A thread per particle and beam.
-struct MarkTiles {
+/// No mark yet; and whether the tables reach so far.
+struct BeginMarks {
   SlamArgs args;
   PARLOC_HD void operator()(const Thread& me) const {
+    const std::size_t particles = args.particles.count();
+    for (std::size_t i = me.first(); i < particles; i += me.stride())
+      if (!is_covered(args, i)) atomic_add(&args.tally->beyond, 1u);
+    ClearMarks{args.touched, particles * args.maps.span.size()}(me);
+  }
+};
+
+/// A thread per particle and beam.
+struct MarkTiles {
+  SlamArgs given;
+  PARLOC_HD void operator()(const Thread& me) const {
+    const SlamArgs args = with_input(given);
     const Beams& beams = args.beams;
     const std::size_t drawn = drawn_beams(beams, args.draw);
     const TileSpan& span = args.maps.span;
@@ -24,8 +36,8 @@ struct MarkTiles {
 
 void SlamStages::mark_tiles(const SlamArgs& args, Queue& queue) {
   const std::size_t particles = args.particles.capacity, count = particles * args.maps.span.size();
-  launch(ClearMarks{args.touched, count}, blocks_for(count), queue);
-  launch(MarkTiles{args}, blocks_for(particles * drawn_beams(args.beams, args.draw)), queue);
+  launch(BeginMarks{args}, blocks_for(count), queue);
+  launch(MarkTiles{args}, blocks_for(particles * args.most_beams), queue);
 }
 
 }  // namespace parloc::PARLOC_CUDA_NAMESPACE

@@ -24,16 +24,19 @@ struct MatchScans {
   PARLOC_HD void operator()(const Thread& me, int phase, Shared& s) const {
     if (me.block >= tasks) return;
     const MatchTask& mine = task[me.block];
-    if (phase % 2 == 1) return s.sums.answer(me, mine.map, mine.scan, rules);
-    if (me.thread > 0 || (phase > 0 && s.sums.wanted == 0)) return;
     ScanSearch& search = *reinterpret_cast<ScanSearch*>(s.search);
+    const int round = phase / 2;
+    if (phase % 2 == 1)
+      return s.sums.answer(me, round, s.sums.wanted, search, mine, mine.map, mine.scan, rules);
+    s.sums.clear(me.thread, round);
+    if (me.thread > 0 || (phase > 0 && s.sums.wanted == 0)) return;
     if (phase == 0) {
       search = ScanSearch{};
       search.begin(mine.start, mine);
     } else {
-      search.take(s.sums.sums(), s.bound, mine);
+      search.take(s.sums.sums(round - 1), s.bound, mine);
     }
-    s.sums.ask(search, mine, rules);
+    s.sums.wanted = search.wanted();
     if (s.sums.wanted == 0) found[me.block] = found_pose(search, mine.beams);
   }
 };

@@ -37,6 +37,7 @@ struct Scratch {
       heaviest;                        // [kHeaviestBlocks][2] weight, key; and [1] the weight of the heaviest
   DeviceBuffer<std::uint64_t> first;   // adapt: [N] candidates that are the first in their bin, ...
   DeviceBuffer<std::uint64_t> enough;  // ... and [1] the earliest by which there are enough
+  DeviceBuffer<char> lists;            // of Thrust (cuda/lists.h)
 };
 
 class Queue {

@@ -30,28 +30,60 @@ struct ProposalMoments {
   Matrix3 covariance;
 };
 
-/// Mean and covariance of `count` points that weigh exp(log_weight): averages of offsets, so that headings
-/// near half a turn do no harm.
+// The moments of weighted points in parts, each of which lanes may share: every sum has its own order, point
+// after point.
+
+/// A choice, not an index: registers of a GPU have none.
+PARLOC_HD double component(const Vector3& d, int axis) {
+  return axis == 0 ? d[0] : axis == 1 ? d[1] : d[2];
+}
+PARLOC_HD double largest_of(const double* value, int count) {
+  double most = value[0];
+  for (int k = 1; k < count; ++k) most = value[k] > most ? value[k] : most;
+  return most;
+}
+/// Weighted sums of the offsets along axes `first` to `end` - 1, added to sum[0] and on; axis 3: of the
+/// weights alone.
 template <class OffsetOf>
-PARLOC_HD ProposalMoments proposal_moments(const double* log_weight, int count, const OffsetOf& offset) {
+PARLOC_HD void add_offsets(const double* weight, int count, const OffsetOf& offset, int first, int end,
+                           double* sum) {
+  for (int k = 0; k < count; ++k) {
+    const Vector3 d = offset(k);
+    for (int a = first; a < end; ++a) sum[a - first] += a < 3 ? weight[k] * component(d, a) : weight[k];
+  }
+}
+/// Elements `first` to `end` - 1 of the covariance about `shift`, of weights whose sum is `sum`, added to
+/// spread[0] and on.
+template <class OffsetOf>
+PARLOC_HD void add_spread(const double* weight, int count, double sum, const Vector3& shift,
+                          const OffsetOf& offset, int first, int end, double* spread) {
+  for (int k = 0; k < count; ++k) {
+    const Vector3 d = plus(offset(k), -1.0, shift);
+    const double share = weight[k] / sum;
+    for (int e = first; e < end; ++e)
+      spread[e - first] += share * (component(d, e / 3) * component(d, e % 3));
+  }
+}
+
+/// Mean offset, of sums by add_offsets(0 to 4).
+PARLOC_HD Vector3 shift_of(const double* sum) {
+  Vector3 shift;
+  for (int a = 0; a < 3; ++a) shift[a] = sum[a] / sum[3];
+  return shift;
+}
+
+/// Mean and covariance of `count` points that weigh exp(log_weight), which become the weights: averages of
+/// offsets, so that headings near half a turn do no harm.
+template <class OffsetOf>
+PARLOC_HD ProposalMoments proposal_moments(double* log_weight, int count, const OffsetOf& offset) {
   ProposalMoments m;
-  double most = log_weight[0];
-  for (int k = 1; k < count; ++k) most = log_weight[k] > most ? log_weight[k] : most;
-  double sum = 0.0;
-  Vector3 mean;
-  for (int k = 0; k < count; ++k) {
-    const double w = portable_exp64(log_weight[k] - most);
-    sum += w;
-    mean = plus(mean, w, offset(k));
-  }
-  for (int a = 0; a < 3; ++a) m.shift[a] = mean[a] / sum;
-  Matrix3 spread;
-  for (int k = 0; k < count; ++k) {
-    const double w = portable_exp64(log_weight[k] - most);
-    spread = plus_outer(spread, w / sum, plus(offset(k), -1.0, m.shift));
-  }
-  m.covariance = spread;
-  m.log_eta = most + portable_log64(sum);
+  const double most = largest_of(log_weight, count);
+  for (int k = 0; k < count; ++k) log_weight[k] = portable_exp64(log_weight[k] - most);
+  double sum[4] = {0.0, 0.0, 0.0, 0.0};
+  add_offsets(log_weight, count, offset, 0, 4, sum);
+  m.shift = shift_of(sum);
+  add_spread(log_weight, count, sum[3], m.shift, offset, 0, 9, m.covariance.m);
+  m.log_eta = most + portable_log64(sum[3]);
   return m;
 }
 

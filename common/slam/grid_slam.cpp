@@ -223,7 +223,7 @@ bool GridSlam::step(const Pose& recorded, const Scan& scan) {
   movement.elapsed_s = 0.0;  // the pose is improved by the scan: time alone adds no noise
   const RandomKey key{s.config.seed, static_cast<std::uint32_t>(s.records.size())};
   s.sub_maps.give_back(*s.backend, std::fabs(movement.increment.trans_m));
-  s.backend->move(motion_step(movement, s.config.motion), key, s.beams);
+  s.backend->move(motion_step(movement, s.config.motion), key, s.beams, s.sub_maps.most_tiles());
   s.sub_maps.make_room(*s.backend);
   s.last = &s.backend->write();
   s.odometry_of.push_back(odometry);

@@ -24,7 +24,10 @@ class Proposer {
  public:
   static constexpr int kMostPoses = ScanSearch::kMostPoses;
   static_assert(kBoxPoints <= kMostPoses);
-  PARLOC_HD static int most_rounds(const ProposeRules& r) { return ScanSearch::most_rounds(r.search) + 1; }
+  /// Rounds of matching; one more follows.
+  PARLOC_HD static int most_matching_rounds(const ProposeRules& r) {
+    return r.proposal == SlamProposal::motion ? 0 : ScanSearch::most_rounds(r.search);
+  }
   /// Memory from round to round.
   struct Room {
     double log[kMostPoses];
@@ -70,15 +73,45 @@ class Proposer {
     return pose_;
   }
   PARLOC_HD void take(const std::int32_t* sum, Room& room, const ProposeRules& r) {
+    if (stage_ == Stage::box) {
+      for (int k = 0; k < kBoxPoints; ++k) room.log[k] = box_log(k, sum[k], r);
+      const auto offset = [&](int k) { return r.box.offset(k); };
+      finish_box(proposal_moments(room.log, kBoxPoints, offset), r);
+    } else {
+      take(sum, room.bound, r);
+    }
+  }
+  /// The same where it does not stand in the box.
+  PARLOC_HD void take(const std::int32_t* sum, std::int32_t* bound, const ProposeRules& r) {
     if (stage_ == Stage::match) {
-      match_.take(sum, room.bound, r);
+      match_.take(sum, bound, r);
       if (match_.done()) finish_match(r);
-    } else if (stage_ == Stage::box) {
-      finish_box(sum, room.log, r);
     } else {
       log_weight_ = r.beta_weight * nats(sum[0]);
       stage_ = Stage::end;
     }
+  }
+  /// It looks for the best fit; what comes then, if anything, is one round: a box or a single pose.
+  PARLOC_HD bool is_matching() const { return stage_ == Stage::match; }
+  PARLOC_HD bool is_in_box() const { return stage_ == Stage::box; }
+  /// In the box: log of what point k weighs, of the sum over the beams there.
+  PARLOC_HD double box_log(int k, std::int32_t sum, const ProposeRules& r) const {
+    const Vector3 x = box_plus(vector_of(pose_), r.box.offset(k));
+    return r.beta_proposal * static_cast<double>(nats(sum)) +
+           log_density(motion_root_, box_minus(x, predicted_));
+  }
+  /// With the moments of all its points.
+  PARLOC_HD void finish_box(const ProposalMoments& m, const ProposeRules& r) {
+    const Normals n = normals(philox(slot_, r.key.step, Stream::slam_proposal, 0, r.key.seed));
+    Vector3 noise;
+    for (int i = 0; i < 3; ++i) noise[i] = n.n[i];
+    Matrix3 spread = m.covariance;
+    for (int i = 0; i < 3; ++i) spread(i, i) += 1e-12;
+    const Vector3 drawn_at = plus(m.shift, 1.0, multiply(semidefinite_root(spread), noise));
+    pose_ = pose_of(box_plus(vector_of(pose_), drawn_at));
+    const double per_point = portable_log64(r.box.volume() / kBoxPoints);
+    log_weight_ = static_cast<float>(r.beta_weight / r.beta_proposal * (m.log_eta + per_point));
+    stage_ = Stage::end;
   }
   PARLOC_HD const SlamPose& pose() const { return pose_; }
   PARLOC_HD float log_weight() const { return log_weight_; }
@@ -106,32 +139,14 @@ class Proposer {
     if (fits) pose_ = match_.pose();
     if (!fits && r.proposal == SlamProposal::gaussian) pose_ = drawn(before_, slot_, r);
     stage_ = fits && r.proposal == SlamProposal::gaussian ? Stage::box : Stage::likelihood;
-  }
-  PARLOC_HD void finish_box(const std::int32_t* sum, double* log, const ProposeRules& r) {
-    const Vector3 best = vector_of(pose_);
-    const Cholesky3 q = cholesky(motion_);
-    for (int k = 0; k < kBoxPoints; ++k) {
-      const Vector3 x = box_plus(best, r.box.offset(k));
-      log[k] = r.beta_proposal * static_cast<double>(nats(sum[k])) + log_density(q, box_minus(x, predicted_));
-    }
-    const auto offset = [&](int k) { return r.box.offset(k); };
-    const ProposalMoments m = proposal_moments(log, kBoxPoints, offset);
-    const Normals n = normals(philox(slot_, r.key.step, Stream::slam_proposal, 0, r.key.seed));
-    Vector3 noise;
-    for (int i = 0; i < 3; ++i) noise[i] = n.n[i];
-    Matrix3 spread = m.covariance;
-    for (int i = 0; i < 3; ++i) spread(i, i) += 1e-12;
-    const Vector3 drawn_at = plus(m.shift, 1.0, multiply(semidefinite_root(spread), noise));
-    pose_ = pose_of(box_plus(best, drawn_at));
-    const double per_point = portable_log64(r.box.volume() / kBoxPoints);
-    log_weight_ = static_cast<float>(r.beta_weight / r.beta_proposal * (m.log_eta + per_point));
-    stage_ = Stage::end;
+    if (stage_ == Stage::box) motion_root_ = cholesky(motion_);
   }
 
   ScanSearch match_;
   SlamPose pose_, before_;
   Vector3 predicted_;
   Matrix3 motion_;
+  Cholesky3 motion_root_;
   std::uint32_t slot_ = 0;
   float least_score_ = 0, log_weight_ = 0;
   Stage stage_ = Stage::end;

@@ -18,6 +18,8 @@ struct SlamBackendConfig {
   int device = 0;   ///< CUDA: index of the device.
 };
 
+constexpr std::size_t kNoTileLimit = static_cast<std::size_t>(-1);
+
 /// What a step leaves, by slot.
 struct SlamStep {
   std::vector<float> x, y, theta;       ///< After resampling, map frame.
@@ -42,16 +44,20 @@ class SlamBackend {
   virtual std::string name() const = 0;
   /// All particles at the origin with empty maps.
   virtual void start() = 0;
-  /// A step in three parts. Moves all particles by odometry and scan, and resamples.
-  virtual void move(const MotionStep& motion, RandomKey key, const BeamTable& scan) = 0;
+  /// A step in three parts. Moves all particles by odometry and scan, resamples, and writes the scan into all
+  /// maps if then no more than `most_tiles` are in use; the host waits once, but for a map that grows. Throws
+  /// Error{backend} without memory for it, Error{input} for poses that no map can hold: nothing has changed
+  /// then.
+  virtual void move(const MotionStep& motion, RandomKey key, const BeamTable& scan,
+                    std::size_t most_tiles) = 0;
   /// How many tiles there must be room for in write(), those in use included; any number of times.
   virtual std::size_t mark() = 0;
-  /// Writes the scan of move() into all maps, after mark().
+  /// Writes the scan of move() into all maps, after mark(), if it has not been. Throws Error{backend} without
+  /// memory for it; it is as before mark() then.
   virtual const SlamStep& write() = 0;
   /// All three.
   const SlamStep& step(const MotionStep& motion, RandomKey key, const BeamTable& scan) {
-    move(motion, key, scan);
-    mark();
+    move(motion, key, scan, kNoTileLimit);
     return write();
   }
   virtual SlamCells map_of(std::size_t particle) const = 0;

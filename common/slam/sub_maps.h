@@ -26,6 +26,8 @@ class SubMaps {
   /// over. Throws Error{config} if what is near is too much already.
   void make_room(SlamBackend& backend);
 
+  /// That a backend may use (SlamBackend::move).
+  std::size_t most_tiles() const { return most_tiles_ > 0 ? most_tiles_ : kNoTileLimit; }
   std::size_t places() const { return tile_.size(); }  ///< Handed over now.
   /// Puts them where they are.
   void add_to(SlamCells& cells) const;

@@ -66,6 +66,7 @@ class Rig {
       : n(particles), random_(1), live_(static_cast<std::uint32_t>(n)) {
     workers.threads = threads;
     for (auto* b : {&poses.x, &poses.y, &poses.theta, &poses.log_weight}) b->resize(n);
+    state_.resample = 1;
     SlamConfig config;
     config.proposal = proposal;
     rules = bind_propose_rules(config);
@@ -95,18 +96,23 @@ class Rig {
   }
   void propose(std::uint32_t key) {
     rules.motion = motion_to(drive().scans.size() - 1);
-    rules.key = {1, key};
     bind_scan(rules, drive().scans.back(), false);
+    input_.motion = rules.motion;
+    input_.key = {1, key};
+    input_.matched = rules.beams;
     Stages::propose(args(drive().scans.back()), workers);
   }
   void resample() {
-    Stages::inherit_tiles(args({}), ancestor.data(), other_table.data(), store, workers);
+    SlamArgs a = args({});
+    a.other_table = other_table.data();
+    Stages::inherit_tiles(a, store, workers);
     std::swap(table, other_table);
   }
   void mark(const BeamTable& scan) { Stages::mark_tiles(args(scan), workers); }
   void assign() {
     Stages::find_new_tiles(args({}), store, fresh, workers);
-    store.make_room(store.used(workers) + fresh.count(), workers);
+    store.make_room(store.used(workers) + fresh.tiles.size(), workers);
+    fresh.counted.fits = 1;
     Stages::assign_tiles(args({}), store, fresh, workers);
   }
   void register_scan(const BeamTable& scan) { Stages::register_scan(args(scan), workers); }
@@ -127,14 +133,25 @@ class Rig {
   double normal(double sigma) { return std::normal_distribution<double>(0.0, sigma)(random_); }
   using Stages = cpu::SlamStages;
   SlamArgs args(const BeamTable& scan) {
+    input_.scan = scan;
+    for (auto* b : {&other_likelihood_, &kept_}) b->resize(n);
+    float* const kept = kept_.data();
     return {
         .rules = rules,
         .draw = draw,
         .beams = bind_beams(scan),
+        .input = &input_,
         .maps = {span, table.data(), store.pool()},
+        .state = &state_,
         .particles = {poses.x.data(), poses.y.data(), poses.theta.data(), poses.log_weight.data(), &live_, n},
+        .ancestor = ancestor.data(),
         .likelihood = likelihood.data(),
-        .touched = touched.data()};
+        .other_likelihood = other_likelihood_.data(),
+        .kept = {kept, kept, kept, kept, kept},
+        .reach_m = SlamConfig{}.usable_range,
+        .tile_m = kTileCells * SlamConfig{}.resolution,
+        .touched = touched.data(),
+        .tally = fresh.tally()};
   }
   void cover(const SlamConfig& config) {
     const TileSpan grown = grown_span(span, poses.x, poses.y, config.usable_range, config.resolution);
@@ -153,6 +170,9 @@ class Rig {
 
   std::mt19937 random_;
   std::uint32_t live_;
+  SlamInput input_;
+  StepState state_;
+  std::vector<float> other_likelihood_, kept_;
   std::vector<Pose> beside_;
 };
 
@@ -208,7 +228,7 @@ void assign_tiles(benchmark::State& state, const Case& c) {
   rig.assign();
   measure(
       state, rig, [&] { use.restore(rig); }, [&] { rig.assign(); });
-  state.counters["copied"] = static_cast<double>(rig.fresh.count());
+  state.counters["copied"] = static_cast<double>(rig.fresh.tiles.size());
 }
 void register_scan(benchmark::State& state, const Case& c) {
   Rig rig(c.particles, c.threads);

@@ -5,7 +5,6 @@
 
 #include <cstdio>
 #include <cstdlib>
-#include <nlohmann/json.hpp>
 
 #include "common/error.h"
 #include "common/filter/filter_backend.h"
@@ -15,8 +14,7 @@
 #include "common/model/beams.h"
 #include "common/model/model_settings.h"
 #include "common/simulator/simulator.h"
-#include "tests/ptx/runtime/names.h"
-#include "tests/ptx/runtime/report.h"
+#include "tests/ptx/counted.h"
 
 namespace {
 
@@ -63,18 +61,6 @@ void count(const std::string& scenario_path, SensorModel model, std::int64_t par
   }
 }
 
-nlohmann::json counted() {
-  nlohmann::json kernels;
-  for (const auto& [kernel, counts] : ptx::counts_of_all()) {
-    nlohmann::json& k = kernels[ptx::readable_name(kernel->name)];
-    k = {{"symbol", kernel->name},    {"launches", counts.launches},         {"blocks", counts.blocks},
-         {"threads", counts.threads}, {"longest_warp", counts.longest_warp}, {"issued_in", counts.issued_in}};
-    for (std::size_t kind = 0; kind < ptx::kKinds; ++kind)
-      if (counts.issued[kind] > 0) k["issued"][ptx::kKindNames[kind]] = counts.issued[kind];
-  }
-  return {{"kernels", kernels}, {"copies", ptx::host_counts().copies}};
-}
-
 }  // namespace
 
 int main(int argc, char** argv) {
@@ -84,7 +70,7 @@ int main(int argc, char** argv) {
   }
   try {
     count(argv[1], model_named(argv[2]), std::atoll(argv[3]), std::atoi(argv[4]));
-    fmt::print("{}\n", counted().dump(1));
+    fmt::print("{}\n", test::counted().dump(1));
   } catch (const Error& error) {
     fmt::print(stderr, "count_step: {}\n", error.what());
     return static_cast<int>(error.kind());

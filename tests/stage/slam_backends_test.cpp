@@ -213,7 +213,7 @@ HandedOver there_and_back(SlamBackend& backend, const SlamConfig& slam, const Gr
                  SensorConfig{}, slam.resolution, beams, counts);
     const float trans_m = step == 0 ? 0.0f : step <= 30 ? 0.6f : -0.6f;
     if (!late || step > 50) sub_maps.give_back(backend, 0.6);
-    backend.move({0.0f, trans_m, 0.0f, 0.01f, 0.02f, 0.01f}, {5, step}, beams);
+    backend.move({0.0f, trans_m, 0.0f, 0.01f, 0.02f, 0.01f}, {5, step}, beams, sub_maps.most_tiles());
     sub_maps.make_room(backend);
     out.last = backend.write();
     out.tiles.push_back(out.last.tiles);

@@ -1,12 +1,15 @@
 #!/usr/bin/env python3
 """How long a filter step would take on GPUs that are not here: an estimate, to hold a first measurement against.
 
-The program count_step (tests/ptx) runs one full step on nvcc's PTX and counts what every warp issues. cuobjdump, if it is
-found, says how many instructions of SASS the PTX became, in loops of each depth (a compiler that repeats in a loop of
-PTX what the assembler moves out again would else be believed), and how many registers they take. A kernel takes the longest of
+The programs count_step and count_slam (tests/ptx) run one full step on nvcc's PTX and count what every warp issues.
+cuobjdump, if it is found, says how many instructions of SASS the PTX became, in loops of each depth (a compiler that repeats
+in a loop of PTX what the assembler moves out again would else be believed), and how many registers they take. A kernel takes
+the longest of
   issue    all that its warps issue, over the schedulers of all multiprocessors;
-  chain    what its longest warp issues, one after the other, with assumed latencies, times the rounds in which its warps fit;
-and from one node of the graph to the next passes a constant time. Not in it: caches, bandwidth of memory, clocks that fall.
+  chain    what its longest warp issues, one after the other, with assumed latencies; or, if that is longer, what the longest
+           warp of a block does in the mean, times the rounds in which the blocks fit, each beginning where another ends;
+and from one node of the graph to the next passes a constant time. Not in it: caches, bandwidth of memory but for SLAM's tiles,
+clocks that fall.
 
 Usage: gpu_model.py [BUILD] [--cuobjdump FILE]         default: build/cuda-nogpu; writes docs/results/gpu_model.md"""
 
@@ -30,13 +33,15 @@ from write import plain  # noqa: E402
 @dataclasses.dataclass(frozen=True)
 class Gpu:
     name: str
+    memory_gb_s: float
     multiprocessors: int
     clock_ghz: float
     float64_slots: int  # issue slots that one instruction of float64 takes
     node_us: float  # from one node of a graph to the next
 
 
-GPUS = (Gpu("H200", 132, 1.98, 2, 1.0), Gpu("RTX 4090", 128, 2.52, 64, 1.0), Gpu("Jetson AGX Orin", 16, 1.30, 64, 2.0))
+GPUS = (Gpu("H200", 4800, 132, 1.98, 2, 1.0), Gpu("RTX 4090", 1000, 128, 2.52, 64, 1.0),
+        Gpu("Jetson AGX Orin", 204, 16, 1.30, 64, 2.0))  # fmt: skip
 SCHEDULERS, MOST_WARPS, REGISTERS, WARPS_OF_BLOCK = 4, 64, 65536, 8
 # Assumed: cycles until what depends on an instruction can go on; of global memory two loads are in flight.
 LATENCY = {"integer": 4.5, "float32": 4.5, "float64": 8, "control": 6, "other memory": 6, "shared": 25, "meeting": 25,
@@ -116,6 +121,10 @@ def of_many(symbol):
     """What both run_kernel<K> and run_many<K> (cuda/launch.h) have in their symbols, and which of them it is."""
     found = re.match(r"(.*?)(10run_kernel|8run_many)(I.*E)E+v", symbol)
     return (found[1] + found[3].rstrip("E"), found[2] == "8run_many") if found else (symbol, False)
+# SLAM: scans of a recorded log, each counted with two numbers of particles. What is counted is a straight line through them.
+SLAM_LOG, SLAM_SCANS, SLAM_LAST = "maps/logs/malaga_faculty.log.gz", 36, 4
+SLAM_COUNTED, SLAM_SAID = (10, 20), 1000
+TILE_WORDS, TILE_BYTES = 1040, 8320
 
 
 def static_counts(build, cuobjdump):
@@ -138,15 +147,23 @@ def static_counts(build, cuobjdump):
     return result
 
 
+def of_kernel(kernel, statics):
+    """Instructions of SASS for one of PTX, as the kernel has run, and its registers."""
+    ratios, registers = statics[plain(kernel["symbol"])]
+    in_sass = sum(ratio * n for ratio, n in zip(ratios, kernel["issued_in"], strict=True))
+    return in_sass / max(sum(kernel["issued_in"]), 1), registers
+
+
 def kernel_us(gpu, kernel, growth, ratio, registers):
     issued = kernel["issued"]
     slots = sum(n * (gpu.float64_slots if kind == "float64" else 1) for kind, n in issued.items()) * ratio * growth
     issue_us = slots / (gpu.multiprocessors * SCHEDULERS * gpu.clock_ghz * 1e3)
     latency = sum(n * LATENCY[kind] for kind, n in issued.items()) / sum(issued.values())
-    chain_us = kernel["longest_warp"] * ratio * latency / (gpu.clock_ghz * 1e3)
+    chain_us = ratio * latency / (gpu.clock_ghz * 1e3)
+    mean = kernel["block_chains"] / kernel["blocks"]
     resident = gpu.multiprocessors * min(MOST_WARPS, REGISTERS // (32 * registers) // WARPS_OF_BLOCK * WARPS_OF_BLOCK)
     rounds = max(1.0, kernel["threads"] / 32 * growth / resident)
-    return issue_us, chain_us * rounds
+    return issue_us, chain_us * max(kernel["longest_warp"], mean * rounds)
 
 
 def count_step(build, path, model, particles):
@@ -155,14 +172,60 @@ def count_step(build, path, model, particles):
     return json.loads(done.stdout)
 
 
+def count_slam(build, proposal, particles):
+    command = [build / "tests/ptx/count_slam", SLAM_LOG, proposal, str(particles), str(SLAM_SCANS), str(SLAM_LAST)]
+    done = subprocess.run(command, cwd=ROOT, env={**os.environ, "PTX_RACES": "0"}, capture_output=True, text=True, check=True)
+    return json.loads(done.stdout)
+
+
+def extrapolated(few, many):
+    """A kernel's counts with SLAM_SAID particles."""
+    low, high = SLAM_COUNTED
+
+    def line(a, b):
+        return max(0.0, a + (b - a) * (SLAM_SAID - low) / (high - low))
+
+    kinds = {**few["issued"], **many["issued"]}
+    issued = {kind: line(few["issued"].get(kind, 0), many["issued"].get(kind, 0)) for kind in kinds}
+    return {**many, "issued": issued, "threads": line(few["threads"], many["threads"]),
+            "longest_warp": max(few["longest_warp"], many["longest_warp"])}  # fmt: skip
+
+
+def copied_bytes(few, many):
+    """To and fro by CopyTiles: of every word 5 accesses are counted, where it is and the word itself."""
+    low, high = (kernel["issued"]["global"] for kernel in (few, many))
+    words = (high - low) / (SLAM_COUNTED[1] - SLAM_COUNTED[0]) * SLAM_SAID * 32 / 5
+    return 2 * TILE_BYTES * max(0.0, words) / TILE_WORDS
+
+
+def model_slam(build, proposal, statics):
+    """Means over the counted scans."""
+    few, many = (count_slam(build, proposal, particles) for particles in SLAM_COUNTED)
+    rows, totals = {}, dict.fromkeys(GPUS, 0.0)
+    for a, b in zip(few, many, strict=True):
+        for name, kernel in b["kernels"].items():
+            moved = copied_bytes(a["kernels"][name], kernel) if name == "CopyTiles" else 0.0
+            kernel = extrapolated(a["kernels"][name], kernel)
+            ratio, (registers, _) = of_kernel(kernel, statics)
+            times = {gpu: kernel_us(gpu, kernel, 1.0, ratio, registers) for gpu in GPUS}
+            for gpu in GPUS:
+                totals[gpu] += max(*times[gpu], moved / (gpu.memory_gb_s * 1e3)) / len(many)
+            row = rows.setdefault(name, [name, 0.0, ratio, registers, 0.0, 0.0])
+            for k, value in ((1, sum(kernel["issued"].values())), (4, times[GPUS[0]][0]), (5, times[GPUS[0]][1])):
+                row[k] += value / len(many)
+    nodes = len(rows) + 2  # the copies of input and report
+    for gpu in GPUS:
+        totals[gpu] += nodes * gpu.node_us
+    return {"place": "faculty", "model": proposal, "particles": SLAM_SAID, "nodes": nodes, "rows": list(rows.values()),
+            "totals": totals, "resampled": sum(scan["resampled"] for scan in many)}  # fmt: skip
+
+
 def model_case(case, counts, statics):
     place, _, model, counted, said, filters = case
     growth, rows, totals = said / counted, [], dict.fromkeys(GPUS, 0.0)
     for name, kernel in counts["kernels"].items():
-        ratios, registers = statics[plain(kernel["symbol"])]
+        ratio, registers = of_kernel(kernel, statics)
         registers = registers[filters > 1]
-        in_sass = sum(ratio * n for ratio, n in zip(ratios, kernel["issued_in"], strict=True))
-        ratio = in_sass / sum(kernel["issued_in"])
         grows = growth if kernel["blocks"] > 16 or kernel["threads"] >= counted // 8 else 1.0
         grows *= filters
         times = {gpu: kernel_us(gpu, kernel, grows, ratio, registers) for gpu in GPUS}
@@ -177,6 +240,26 @@ def model_case(case, counts, statics):
     return {"place": place, "model": model, "particles": size, "nodes": nodes, "rows": rows, "totals": totals}
 
 
+def table_row(r):
+    times = " | ".join(f"{r['totals'][gpu]:.0f}" for gpu in GPUS)
+    return f"| {r['place']} | {r['model']} | {r['particles']} | {r['nodes']} | {times} |\n"
+
+
+def slam_part(results):
+    low, high = SLAM_COUNTED
+    text = f"\n## Grid SLAM, {SLAM_SAID} particles\n\nScans {SLAM_SCANS - SLAM_LAST + 1} to {SLAM_SCANS} that "
+    text += f"`{SLAM_LOG}` has taken in, 180 beams, the mean. Counted with {low} and with {high} particles, and said of "
+    text += f"{SLAM_SAID} by a straight line through both (the executor is slow); tiles that are copied take the bandwidth of "
+    text += "memory, if that is longer. The host waits once in a scan. The bar is 2 ms on an H200.\n\n| log | proposal | "
+    text += "particles | nodes | " + " | ".join(f"{gpu.name} [us]" for gpu in GPUS) + " |\n"
+    text += "|" + "---|" * (4 + len(GPUS)) + "\n" + "".join(table_row(r) for r in results)
+    for r in results:
+        us = r["totals"][GPUS[0]]
+        text += f"\n{r['model']}: {us / 1000:.2f} ms on {GPUS[0].name}, the bar is {'met' if us <= 2000 else 'not met'}"
+        text += f" (of {SLAM_LAST} scans {r['resampled']} resampled).\n"
+    return text
+
+
 def page(results, cuobjdump):
     text = "# How long a step would take on a GPU: an estimate\n\n**Nothing here was measured on a GPU.** "
     text += "`tools/studies/gpu_model.py` makes this page: " + __doc__.split("\n\n")[1].replace("\n", " ") + "\n\n"
@@ -184,11 +267,10 @@ def page(results, cuobjdump):
         text += "Without cuobjdump: an instruction of SASS for one of PTX, 64 registers.\n\n"
     text += f"A full step, {BEAMS} beams, tracking:\n\n| place | model | particles | nodes | "
     text += " | ".join(f"{gpu.name} [us]" for gpu in GPUS) + " |\n|" + "---|" * (4 + len(GPUS)) + "\n"
+    text += "".join(table_row(r) for r in results if r["place"] != "faculty")
+    text += slam_part([r for r in results if r["place"] == "faculty"])
     for r in results:
-        text += f"| {r['place']} | {r['model']} | {r['particles']} | {r['nodes']} | "
-        text += " | ".join(f"{r['totals'][gpu]:.0f}" for gpu in GPUS) + " |\n"
-    for r in results:
-        if r["place"] != "hall" or r["model"] == "gaussian":
+        if r["place"] == "office" or (r["place"] == "hall" and r["model"] == "gaussian"):
             continue
         text += f"\n## {r['model']}, {r['particles']} particles, on {GPUS[0].name}, by kernel\n\n"
         text += "| kernel | issued by warps | SASS for PTX | registers | issue [us] | chain [us] |\n|---|---|---|---|---|---|\n"
@@ -205,10 +287,12 @@ def main():
     parser.add_argument("--cuobjdump", default=shutil.which("cuobjdump"))
     chosen = parser.parse_args()
     build = chosen.build.resolve()
-    if not (build / "tests/ptx/count_step").exists():
-        sys.exit(f"{build}: no tests/ptx/count_step; cmake --preset cuda-nogpu and ninja -C {build} count_step make it")
+    for program in ("count_step", "count_slam"):
+        if not (build / "tests/ptx" / program).exists():
+            sys.exit(f"{build}: no tests/ptx/{program}; cmake --preset cuda-nogpu and ninja -C {build} {program} make it")
     statics = static_counts(build, chosen.cuobjdump)
-    results = [model_case(case, count_step(build, case[1], case[2], case[3]), statics) for case in CASES]
+    results = [model_slam(build, proposal, statics) for proposal in ("scan_match", "gaussian")]
+    results += [model_case(case, count_step(build, case[1], case[2], case[3]), statics) for case in CASES]
     (ROOT / "docs/results/gpu_model.md").write_text(page(results, chosen.cuobjdump))
     for r in results:
         times = ", ".join(f"{gpu.name} {r['totals'][gpu]:.0f} us" for gpu in GPUS)

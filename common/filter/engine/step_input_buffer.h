@@ -9,14 +9,15 @@
 
 namespace parloc {
 
-template <class Space>
+/// `Input`: a StepInput, or one with more in it.
+template <class Space, class Input = StepInput>
 class StepInputBuffer {
  public:
   StepInputBuffer() { grow(0); }
 
-  StepInput& host() { return *reinterpret_cast<StepInput*>(memory_.host()); }
+  Input& host() { return *reinterpret_cast<Input*>(memory_.host()); }
   /// In the backend's space, as send() brought it there.
-  const StepInput* input() const { return reinterpret_cast<const StepInput*>(memory_.there()); }
+  const Input* input() const { return reinterpret_cast<const Input*>(memory_.there()); }
 
   /// Whether the arrays stay where they are when this scan is set.
   bool has_room_for(const BeamTable& t) const { return t.count <= capacity_; }
@@ -26,6 +27,9 @@ class StepInputBuffer {
     for (std::size_t k = 0; k < kBeamArrays.size(); ++k)
       std::copy((t.*kBeamArrays[k]).begin(), (t.*kBeamArrays[k]).end(), array(memory_.host(), k));
   }
+
+  /// Beams that there is room for.
+  std::size_t capacity() const { return capacity_; }
 
   void send(typename Space::Queue& queue) { memory_.send(queue); }
 
@@ -37,12 +41,12 @@ class StepInputBuffer {
 
  private:
   float* array(unsigned char* memory, std::size_t k) const {
-    return reinterpret_cast<float*>(memory + sizeof(StepInput)) + k * capacity_;
+    return reinterpret_cast<float*>(memory + sizeof(Input)) + k * capacity_;
   }
   void grow(std::size_t beams) {
-    const StepInput kept = memory_.size() == 0 ? StepInput{} : host();
+    const Input kept = memory_.size() == 0 ? Input{} : host();
     const std::size_t capacity = (beams + 15) / 16 * 16;  // whole vectors
-    memory_.reserve(sizeof(StepInput) + kBeamArrays.size() * capacity * sizeof(float));
+    memory_.reserve(sizeof(Input) + kBeamArrays.size() * capacity * sizeof(float));
     capacity_ = capacity;
     std::fill_n(memory_.host(), memory_.size(), static_cast<unsigned char>(0));
     host() = kept;

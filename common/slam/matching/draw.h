@@ -75,7 +75,7 @@ PARLOC_HD DrawnBeam drawn_beam(const Beams& b, std::size_t m, const MatchPose& p
 
 /// Calls visit(i, j, last) for each cell that a beam comes to.
 template <class Visit>
-PARLOC_HD void walk_beam(const DrawnBeam& b, const Visit& visit) {
+PARLOC_HD void walk_beam(const DrawnBeam& b, Visit visit) {
   CellWalk walk(b.u0, b.v0, b.u1, b.v1);
   while (!walk.at_end()) {
     visit(walk.i(), walk.j(), false);
@@ -84,11 +84,29 @@ PARLOC_HD void walk_beam(const DrawnBeam& b, const Visit& visit) {
   visit(walk.i(), walk.j(), true);
 }
 
+/// The tile that a beam is in, so that only where it comes to another one anything is looked up.
+class TileOfBeam {
+ public:
+  /// Whether cell (i, j) is in another tile than the cell before.
+  PARLOC_HD bool moves_to(std::int32_t i, std::int32_t j) {
+    const std::int32_t ti = i >> kTileShift, tj = j >> kTileShift;
+    const bool moves = is_first_ || ti != i_ || tj != j_;
+    is_first_ = false, i_ = ti, j_ = tj;
+    return moves;
+  }
+
+ private:
+  bool is_first_ = true;
+  std::int32_t i_ = 0, j_ = 0;
+};
+
 /// Notes which tiles a beam comes to. touched: [span.size()]
 struct MarkTile {
   TileSpan span;
   std::uint8_t* touched;
-  PARLOC_HD void operator()(std::int32_t i, std::int32_t j, bool) const {
+  TileOfBeam tile = {};
+  PARLOC_HD void operator()(std::int32_t i, std::int32_t j, bool) {
+    if (!tile.moves_to(i, j)) return;
     const std::size_t at = span.place(i, j);
     if (at < span.size()) atomic_write(&touched[at], std::uint8_t{1});
   }
@@ -101,10 +119,15 @@ struct DrawCell {
   const DrawnBeam* beam;
   TileMap map;
   Add add;
-  PARLOC_HD void operator()(std::int32_t i, std::int32_t j, bool last) const {
-    const std::size_t at = map.span.place(i, j);
-    if (at >= map.span.size()) return;
-    CellWord* word = map.pool.at(map.table[at]).cell + cell_in_tile(i, j);
+  TileOfBeam tile = {};
+  CellWord* cells = nullptr;  ///< Of that tile; null beyond the span.
+  PARLOC_HD void operator()(std::int32_t i, std::int32_t j, bool last) {
+    if (tile.moves_to(i, j)) {
+      const std::size_t at = map.span.place(i, j);
+      cells = at < map.span.size() ? map.pool.at(map.table[at]).cell : nullptr;
+    }
+    if (cells == nullptr) return;
+    CellWord* const word = cells + cell_in_tile(i, j);
     if (last && beam->hit)
       add(word, ended_at(beam->u1 - floor_of(beam->u1), beam->v1 - floor_of(beam->v1)));
     else

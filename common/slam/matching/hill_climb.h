@@ -77,6 +77,7 @@ class HillClimb {
   }
 
   PARLOC_HD std::int32_t held_back(const SlamPose& p) const {
+    if (pull_ == 0.0f) return 0;  // and where p is need not be worked out
     const float dx = p.x - start_.x, dy = p.y - start_.y;
     return static_cast<std::int32_t>(min_of(pull_ * fused(dx, dx, dy * dy), kMostHeldBack));
   }

@@ -29,7 +29,7 @@ PARLOC_HD std::uint32_t visits_of(CellWord w) {
   return static_cast<std::uint32_t>(w & 0xffffu);
 }
 PARLOC_HD std::uint32_t hits_of(CellWord w) {
-  return static_cast<std::uint32_t>((w >> kHitShift) & 0xfffu);
+  return (static_cast<std::uint32_t>(w) >> kHitShift) & 0xfffu;  // in the low half of the word
 }
 PARLOC_HD std::uint32_t sum_x_of(CellWord w) {
   return static_cast<std::uint32_t>((w >> kSumXShift) & 0x3ffffu);
@@ -113,16 +113,17 @@ struct TilePool {
 struct TileSpan {
   std::int32_t first_i = 0, first_j = 0, width = 0, height = 0;
 
+  /// In 32 bits: no map has more cells along a side than kMaxMapSide.
   PARLOC_HD std::size_t size() const {
-    return static_cast<std::size_t>(width) * static_cast<std::size_t>(height);
+    return static_cast<std::uint32_t>(width) * static_cast<std::uint32_t>(height);
   }
   /// Of a cell's tile; size() beyond the span.
   PARLOC_HD std::size_t place(std::int32_t cell_i, std::int32_t cell_j) const {
     const std::int32_t i = (cell_i >> kTileShift) - first_i, j = (cell_j >> kTileShift) - first_j;
     const bool inside = i >= 0 && j >= 0 && i < width && j < height;
-    return inside
-               ? static_cast<std::size_t>(j) * static_cast<std::size_t>(width) + static_cast<std::size_t>(i)
-               : size();
+    return inside ? static_cast<std::uint32_t>(j) * static_cast<std::uint32_t>(width) +
+                        static_cast<std::uint32_t>(i)
+                  : size();
   }
 };
 

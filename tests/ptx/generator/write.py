@@ -12,7 +12,7 @@ KINDS = ("kInteger", "kFloat32", "kFloat64", "kGlobal", "kShared", "kOther", "kA
 TRANSLATIONS = arithmetic.TRANSLATIONS | memory.TRANSLATIONS
 # Identifiers with numbers of the file's path, or of the architectures compiled for. The runtime drops them too when a
 # kernel is asked for (runtime/names.cpp).
-NUMBERED = re.compile(r"(_GLOBAL__N_|_INTERNAL)_[0-9a-f]{8}_\d+_(\w+)_cu_[0-9a-f]{8}|(CUB|THRUST)_\d+_SM_[\d_]+")
+NUMBERED = re.compile(r"(_GLOBAL__N_|_INTERNAL)_[0-9a-f]{8}_\d+_(\w+)_cu_[0-9a-f]{8}|(CUB|THRUST)_\d+_SM_[\d_]+(?:NS)?")
 STARTS = re.compile(r"(\d+)(?=_GLOBAL__N__|_INTERNAL_|CUB_|THRUST_)")
 
 

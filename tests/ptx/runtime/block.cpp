@@ -96,6 +96,7 @@ void Block::count_visits() const {
   KernelCounts& counts = counts_of(*launch_.kernel);
   ++counts.blocks;
   counts.issued_in.resize(launch_.kernel->piece_count);
+  std::uint64_t longest = 0;
   for (std::size_t first = 0; first < threads.size(); first += kLanes) {
     const std::size_t end = std::min(first + kLanes, threads.size());
     std::uint64_t issued = 0;
@@ -115,8 +116,10 @@ void Block::count_visits() const {
         in_piece += most * here;
       }
     }
-    counts.longest_warp = std::max(counts.longest_warp, issued);
+    longest = std::max(longest, issued);
   }
+  counts.longest_warp = std::max(counts.longest_warp, longest);
+  counts.block_chains += longest;
 }
 
 Block::Progress Block::run_round(std::mt19937& order) {

@@ -132,6 +132,12 @@ cudaError_t __cudaLaunchKernel(cudaKernel_t kernel, dim3 blocks, dim3 threads, v
   return cudaLaunchKernel(static_cast<const void*>(kernel), blocks, threads, arguments, shared, stream);
 }
 
+cudaError_t cudaLaunchKernelExC(const cudaLaunchConfig_t* config, const void* host, void** arguments) {
+  if (config->numAttrs > 0) ptx::fault("a launch with attributes");
+  return cudaLaunchKernel(host, config->gridDim, config->blockDim, arguments, config->dynamicSmemBytes,
+                          config->stream);
+}
+
 cudaError_t cudaFuncSetAttribute(const void* host, cudaFuncAttribute attribute, int value) {
   const ptx::RuntimeLock lock;
   if (attribute == cudaFuncAttributeMaxDynamicSharedMemorySize)

@@ -11,7 +11,7 @@ namespace ptx {
 std::string plain_name(const std::string& name) {
   static const std::regex start(R"((\d+)(?=_GLOBAL__N__|_INTERNAL_|CUB_|THRUST_))");
   static const std::regex numbered(
-      R"((_GLOBAL__N_|_INTERNAL)_[0-9a-f]{8}_\d+_(\w+)_cu_[0-9a-f]{8}|(CUB|THRUST)_\d+_SM_[\d_]+)");
+      R"((_GLOBAL__N_|_INTERNAL)_[0-9a-f]{8}_\d+_(\w+)_cu_[0-9a-f]{8}|(CUB|THRUST)_\d+_SM_[\d_]+(?:NS)?)");
   std::string plain;
   std::size_t done = 0;
   for (std::sregex_iterator at(name.begin(), name.end(), start), end; at != end; ++at) {

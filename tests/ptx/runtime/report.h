@@ -30,6 +30,7 @@ struct KernelCounts {
   ByKind issued{};                       // of all warps, whose lanes go through a piece together
   std::vector<std::uint64_t> issued_in;  // of these, in each piece between two branches or labels
   std::uint64_t longest_warp = 0;        // issued by one warp, at most
+  std::uint64_t block_chains = 0;        // the sum over blocks of what the longest warp of each issued
 };
 KernelCounts& counts_of(const Kernel& kernel);
 const std::map<const Kernel*, KernelCounts>& counts_of_all();
