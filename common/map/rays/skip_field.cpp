@@ -215,9 +215,13 @@ SkipField skip_field(const std::uint8_t* blocks, std::int32_t width, std::int32_
   const std::size_t plane = (static_cast<std::size_t>(width) + 2) * (static_cast<std::size_t>(height) + 2);
   SkipField field;
   most_bytes = std::min(most_bytes, std::size_t{0x7fffffff} - kSkipFieldTail);  // lanes look up at 32 bits
-  for (const std::int32_t slopes : {kSlopes, kSlopes / 2})
-    if (field.planes.bytes == 0 && plane * static_cast<std::size_t>(8 * slopes + 1) <= most_bytes)
-      field.planes = {static_cast<std::int32_t>(plane), slopes};
+  const auto fits = [&](std::int32_t slopes, std::size_t most) {
+    return plane * static_cast<std::size_t>(8 * slopes + 1) <= most;
+  };
+  if (fits(kSlopes, std::min(most_bytes, kMostFineBytes)))
+    field.planes = {static_cast<std::int32_t>(plane), kSlopes};
+  else if (fits(kSlopes / 2, most_bytes))
+    field.planes = {static_cast<std::int32_t>(plane), kSlopes / 2};
   if (field.planes.bytes == 0) {
     field.lines.resize(plane + kSkipFieldTail);
     chebyshev_distances(blocks, width, height, field.lines.data() + width + 3);

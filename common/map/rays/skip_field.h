@@ -21,6 +21,9 @@ inline constexpr std::int32_t kSlopes = 4;
 /// Bytes after the last cell of a skip field, so that a 32-bit load at any cell stays inside the array.
 inline constexpr std::size_t kSkipFieldTail = 4;
 
+/// A table of kSlopes is at most so large, 4 M cells: 100 x 100 m at 5 cm.
+inline constexpr std::size_t kMostFineBytes = std::size_t{128} << 20;
+
 /// Octant of a direction: bit 0 to the left, bit 1 downwards, bit 2 steep (|dy| > |dx|).
 PARLOC_HD std::int32_t octant_of(float dx, float dy) {
   const bool steep = __builtin_fabsf(dy) > __builtin_fabsf(dx);
@@ -50,10 +53,10 @@ struct SkipField {
 };
 
 /// blocks: width * height, row-major, nonzero blocks; width and height 1 to kMaxMapSide (map_limits.h), else
-/// Error{internal}. By sector of kSlopes or half as many slopes if that takes at most `most_bytes`, else one
-/// plane for all directions, from the Chebyshev distance to the nearest blocking cell (two-pass chamfer,
-/// Rosenfeld and Pfaltz 1968). Linear time, on so many threads (0: all cores); the same on every machine.
-/// std::bad_alloc.
+/// Error{internal}. By sector if that takes at most `most_bytes`, of kSlopes up to kMostFineBytes and of half
+/// as many beyond; else one plane for all directions, from the Chebyshev distance to the nearest blocking
+/// cell (two-pass chamfer, Rosenfeld and Pfaltz 1968). Linear time, on so many threads (0: all cores); the
+/// same on every machine. std::bad_alloc.
 SkipField skip_field(const std::uint8_t* blocks, std::int32_t width, std::int32_t height,
                      std::size_t most_bytes, int threads = 1);
 
