@@ -56,7 +56,7 @@ template <class Work>
 auto with_thrust(const Queue& queue, const Work& work) {
   ListScratch scratch(queue.scratch.lists);
   try {
-    return work(thrust::cuda::par_nosync(scratch).on(queue));
+    return work(thrust::cuda::par_nosync(scratch).on(static_cast<Stream>(queue)->handle));
   } catch (const thrust::system_error& error) {
     (void)cudaGetLastError();
     throw Error(ErrorKind::internal, std::string("CUDA failed in Thrust: ") + error.what());
