@@ -15,6 +15,37 @@ namespace parloc {
 PARLOC_HD float fused(float a, float b, float c) {
   return __builtin_fmaf(a, b, c);
 }
+/// The same without a fused operation: the product is exact in double, and the sum rounded to odd, so that
+/// rounding it once more to float cannot go astray.
+PARLOC_HD float fused_by_double(float a, float b, float c) {
+  const double product = static_cast<double>(a) * static_cast<double>(b), addend = static_cast<double>(c);
+  const double sum = product + addend;
+  const double back = sum - product;
+  const double error = (product - (sum - back)) + (addend - back);  // exact: what rounding the sum has lost
+  std::int64_t bits;
+  std::memcpy(&bits, &sum, sizeof bits);
+  const bool inexact = error > 0.0 || error < 0.0, outwards = (error > 0.0) == (sum > 0.0);
+  bits += inexact && (bits & 1) == 0 ? (outwards ? 1 : -1) : 0;
+  double odd;
+  std::memcpy(&odd, &bits, sizeof odd);
+  return static_cast<float>(odd);
+}
+/// fused() for scalar loops that may run on a CPU without it, where the library takes ten times as long.
+PARLOC_HD float fused_anywhere(float a, float b, float c) {
+#if defined(__x86_64__) && !defined(__FMA__) && !defined(__CUDA_ARCH__)
+  return fused_by_double(a, b, c);
+#else
+  return fused(a, b, c);
+#endif
+}
+/// a b + c, of which the last bit does not matter, the quickest way.
+PARLOC_HD float nearly_fused(float a, float b, float c) {
+#if defined(__x86_64__) && !defined(__FMA__) && !defined(__CUDA_ARCH__)
+  return a * b + c;
+#else
+  return fused(a, b, c);
+#endif
+}
 /// first x^n + ... + last, from the inside out, each step fused.
 PARLOC_HD float polynomial(float x, float first, auto... others) {
   float sum = first;

@@ -5,6 +5,7 @@
 
 #include <cmath>
 #include <limits>
+#include <random>
 
 #include "common/filter/resampling.h"
 #include "common/math/philox.h"
@@ -69,6 +70,31 @@ TEST(Quick, StaysWithinItsStatedErrors) {
     ASSERT_NEAR(quick_log(x), std::log(static_cast<double>(x)), 6e-7) << x;
   for (float x = 0.0f; x < 9.0f; x += 1e-3f)
     ASSERT_NEAR(quick_erfc(x) / std::erfc(static_cast<double>(x)), 1.0, 1.2e-5) << x;
+}
+
+// Random numbers of all sizes; sums just beside the middle of two floats, where rounding twice goes astray.
+TEST(Portable, FusedByDoubleIsFused) {
+  std::mt19937 random(9);
+  const auto expect_same = [](float a, float b, float c) {
+    const float expected = std::fma(a, b, c), got = fused_by_double(a, b, c);
+    if (std::isnan(expected))
+      ASSERT_TRUE(std::isnan(got)) << a << " " << b << " " << c;
+    else
+      ASSERT_EQ(bits_of(got), bits_of(expected)) << a << " " << b << " " << c;
+  };
+  for (int k = 0; k < 2'000'000 && !testing::Test::HasFatalFailure(); ++k) {
+    const float a = float_of(static_cast<std::uint32_t>(random())),
+                b = float_of(static_cast<std::uint32_t>(random()));
+    expect_same(a, b, float_of(static_cast<std::uint32_t>(random())));
+    // Of the product's own size, so that bits are lost on both sides.
+    const float x = 1.0f + static_cast<float>(random() % 8388608) * 0x1p-23f, y = x * 0.75f;
+    for (const float c :
+         {0x1p-24f, -0x1p-24f, 0x1p-25f, 0x1p-48f, -0x1p-48f, 0x1p-70f, -0x1p-70f, 1.0f, 0x1p20f, -x * y})
+      expect_same(x, y, c);
+    expect_same(x, 0x1p-24f * y, x), expect_same(x, -0x1p-24f * y, x);
+    expect_same(x * 0x1p-100f, y * 0x1p-40f, 0x1p-140f),
+        expect_same(x * 0x1p100f, y * 0x1p27f, -x * 0x1p127f);
+  }
 }
 
 TEST(Portable, NearestOfIsRint) {

@@ -77,7 +77,7 @@ PARLOC_HD Ray make_ray(float u, float v, float dx, float dy) {
 /// The ray of a beam: (u, v) the sensor's place [cells], c and s of the particle's heading, (bx, by) the
 /// beam's direction in the base frame.
 PARLOC_HD Ray beam_ray(float u, float v, float c, float s, float bx, float by) {
-  return make_ray(u, v, fused(c, bx, -(s * by)), fused(s, bx, c * by));
+  return make_ray(u, v, fused_anywhere(c, bx, -(s * by)), fused_anywhere(s, bx, c * by));
 }
 
 /// A point given in the base frame, in the grid frame (same unit as x, y).
@@ -111,7 +111,7 @@ PARLOC_HD float range_of_hit(const Ray& r, const RayHit& h, float resolution_m, 
 /// start and `d`, `inv` the direction of that axis. The floor of p + t d is at most one cell off; the
 /// crossings decide.
 PARLOC_HD std::int32_t index_at(float p, float d, float inv, float t, bool inclusive) {
-  const float c = floor_of(fused(t, d, p));
+  const float c = floor_of(nearly_fused(t, d, p));
   const float below = (c - p) * inv;           // crossing of this cell's lower line
   const float above = ((c + 1.0f) - p) * inv;  // and of its upper line
   const float next = d < 0.0f ? below : above;
@@ -187,7 +187,7 @@ struct LeapAxis {
   /// index_at(), mirrored. `until`: t, or if lines at t are not crossed yet the float in front of it, so that
   /// one comparison does for both.
   PARLOC_HD std::int32_t index_at(float t, float until) const {
-    const float c = floor_of(fused(t, d, u)) * sign + shift;  // exact
+    const float c = floor_of(nearly_fused(t, d, u)) * sign + shift;  // exact
     // A line at or behind the start is not crossed: without this a ray that starts on a line would fall back.
     const bool too_late = crossing(c) > max_of(until, 0.0f);
     const bool too_early = crossing(c + 1.0f) <= until;
