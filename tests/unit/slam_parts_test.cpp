@@ -239,7 +239,7 @@ TEST(HillClimb, StaysWhereNothingIsBetter) {
 TEST(GaussianProposal, MatchesTheWorkedExample) {
   const double offsets[5][3] = {
       {0, 0, 0}, {0.02, 0, 0}, {-0.02, 0, 0.01}, {0, 0.03, 0.03}, {0, -0.03, -0.02}};
-  const double log_weight[5] = {-8.8, -9.6, -10.6, -11.6, -10.1};
+  double log_weight[5] = {-8.8, -9.6, -10.6, -11.6, -10.1};
   const auto offset = [&](int k) {
     Vector3 d;
     for (int a = 0; a < 3; ++a) d[a] = offsets[k][a];
