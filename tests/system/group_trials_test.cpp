@@ -14,7 +14,10 @@ std::vector<TrialResult> trials(BackendChoice backend, int jobs) {
   TrialPlan plan;
   plan.task = TrialTask::track;
   plan.duration_s = 1.0;
-  tools::evaluate::TrialsRequest request{.plan = plan, .trials = 3, .jobs = jobs};
+  tools::evaluate::TrialsRequest request;
+  request.plan = plan;
+  request.trials = 3;
+  request.jobs = jobs;
   request.config.backend = backend;
   request.config.particles = 200;
   request.config.scan.max_beams = 30;
