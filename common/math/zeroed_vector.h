@@ -4,6 +4,7 @@
 #include <cstddef>
 #include <cstdlib>
 #include <new>
+#include <type_traits>
 #include <utility>
 #include <vector>
 
@@ -12,6 +13,7 @@ namespace parloc {
 /// Zeros from calloc: pages of a large array that nobody writes take no memory.
 template <class T>
 struct ZerosFromCalloc {
+  static_assert(std::is_trivially_copyable_v<T>, "zeros are made without a constructor");
   using value_type = T;
   ZerosFromCalloc() = default;
   template <class U>
