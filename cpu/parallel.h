@@ -84,6 +84,14 @@ class StrictFloat {
 /// milliseconds on a machine that is busy with something else.
 constexpr std::size_t kSmallLoop = 8192;
 
+/// A block of a loop. Not inlined: the loop is compiled once per instruction set, not once more for one
+/// thread.
+template <class Loop>
+[[gnu::noinline]] void run_block(const Loop& loop, std::size_t begin, std::size_t end) {
+  const StrictFloat strict;
+  run_simd([&]() PARLOC_SIMD_LOOP { loop(begin, end); });
+}
+
 /// loop(begin, end) over [0, count) in at most `threads` contiguous blocks, whose edges are multiples of
 /// `grain`. `loop` is a lambda marked PARLOC_SIMD_LOOP that must not throw.
 template <class Loop>
@@ -92,20 +100,18 @@ void parallel_blocks(std::size_t count, int threads, std::size_t grain, const Lo
   const std::size_t wanted =
       static_cast<std::size_t>(threads) < grains ? static_cast<std::size_t>(threads) : grains;
   if (wanted <= 1) {
-    const StrictFloat strict;
-    if (count > 0) run_simd([&]() PARLOC_SIMD_LOOP { loop(std::size_t{0}, count); });
+    if (count > 0) run_block(loop, 0, count);
     return;
   }
   const int team_size = static_cast<int>(wanted);
 #pragma omp parallel num_threads(team_size)
   {
-    const StrictFloat strict;
     const std::size_t team = static_cast<std::size_t>(omp_get_num_threads());
     const std::size_t me = static_cast<std::size_t>(omp_get_thread_num());
     const std::size_t begin = grains * me / team * grain;
     const std::size_t limit = grains * (me + 1) / team * grain;
     const std::size_t end = limit < count ? limit : count;
-    if (begin < end) run_simd([&]() PARLOC_SIMD_LOOP { loop(begin, end); });
+    if (begin < end) run_block(loop, begin, end);
   }
 }
 

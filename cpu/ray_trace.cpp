@@ -8,8 +8,9 @@
 #include "cpu/stages.h"
 
 // Vectors of SVE have no size that the compiler knows, those of a fixed width neither: they cannot be kept in
-// structs (cpu/rays-inl.h). CPUs that have it have NEON too.
-#define HWY_DISABLED_TARGETS (HWY_SVE | HWY_SVE2 | HWY_SVE_256 | HWY_SVE2_128)
+// structs (cpu/rays-inl.h). CPUs that have it have NEON too. Below AVX2 rays are traced one by one, on any
+// set.
+#define HWY_DISABLED_TARGETS (HWY_SVE | HWY_SVE2 | HWY_SVE_256 | HWY_SVE2_128 | HWY_SSSE3 | HWY_SSE4)
 
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "cpu/ray_trace.cpp"

@@ -19,7 +19,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr YamlRules kMetadata{"metadata of a bag", std::size_t{4} << 20, ErrorKind::input, true};
+constexpr YamlRules kMetadataRules{"metadata of a bag", std::size_t{4} << 20, ErrorKind::input, true};
 
 /// Bags one after the other; a topic of the same name and type is the same topic.
 class SplitBag final : public BagReader {
@@ -108,7 +108,8 @@ const YamlNode* find(const YamlNode& group, const std::string& key) {
 }
 
 std::vector<std::string> listed_files(const fs::path& metadata) {
-  const YamlNode root = yaml_tree(read_yaml_file(metadata.string(), kMetadata), metadata.string(), kMetadata);
+  const YamlNode root =
+      yaml_tree(read_yaml_file(metadata.string(), kMetadataRules), metadata.string(), kMetadataRules);
   const YamlNode* bag = find(root, "rosbag2_bagfile_information");
   const YamlNode* paths = bag == nullptr ? nullptr : find(*bag, "relative_file_paths");
   std::vector<std::string> files;

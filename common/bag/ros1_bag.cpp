@@ -19,13 +19,13 @@ namespace {
 constexpr std::string_view kVersionLine = "#ROSBAG V2.0\n";
 constexpr std::uint32_t kLongestHeader = std::uint32_t{4} << 20;
 
-enum Opcode : std::uint8_t {
-  kMessage = 2,
-  kBagHeader = 3,
-  kIndexData = 4,
-  kChunk = 5,
-  kChunkInfo = 6,
-  kConnection = 7
+enum RecordOpcode : std::uint8_t {
+  kMessageRecord = 2,
+  kBagHeaderRecord = 3,
+  kIndexRecord = 4,
+  kChunkRecord = 5,
+  kChunkInfoRecord = 6,
+  kConnectionRecord = 7
 };
 
 /// The header of a record: "name=value" fields, each with its length before it.
@@ -129,9 +129,9 @@ struct Ros1Bag::Records final : ChunkRecords {
       if (!header) return false;
       const auto size = stream->number<std::uint32_t>();
       const std::uint8_t opcode = header->opcode();
-      if (opcode == kConnection) {
+      if (opcode == kConnectionRecord) {
         bag.learn(*header, *stream, size);
-      } else if (opcode == kMessage) {
+      } else if (opcode == kMessageRecord) {
         if (take_message(*header, size, messages)) return true;
       } else {
         stream->skip(size);
@@ -192,23 +192,23 @@ bool Ros1Bag::read_index() {
   try {
     const auto begin = file_->stream(kVersionLine.size(), file_->size());
     const std::optional<Header> bag = Header::read(*begin);
-    if (!bag || bag->opcode() != kBagHeader) return false;
+    if (!bag || bag->opcode() != kBagHeaderRecord) return false;
     const auto index_at = bag->number<std::uint64_t>("index_pos");
     if (index_at <= kVersionLine.size() || index_at > file_->size()) return false;
     const auto chunk_count = bag->number<std::uint32_t>("chunk_count");
     const auto in = file_->stream(index_at, file_->size());
     while (const std::optional<Header> header = Header::read(*in)) {
       const auto size = in->number<std::uint32_t>();
-      if (header->opcode() == kConnection) {
+      if (header->opcode() == kConnectionRecord) {
         learn(*header, *in, size);
         continue;
       }
-      if (header->opcode() != kChunkInfo) return false;
+      if (header->opcode() != kChunkInfoRecord) return false;
       const auto at = header->number<std::uint64_t>("chunk_pos");
       const auto record = file_->stream(at, file_->size());
       const std::uint32_t header_size = record->number<std::uint32_t>();
       const Header chunk_header(*record, header_size);
-      if (chunk_header.opcode() != kChunk) return false;
+      if (chunk_header.opcode() != kChunkRecord) return false;
       BagChunk chunk = chunk_at(at + 4 + header_size, chunk_header, *record);
       chunk.first_ns = header->stamp_ns("start_time");
       chunk.last_ns = header->stamp_ns("end_time");
@@ -236,15 +236,15 @@ void Ros1Bag::walk() {
       const Header header(*in, header_size);
       const std::uint64_t data_at = at + 4 + header_size;
       const std::uint8_t opcode = header.opcode();
-      if (opcode == kChunk) {
+      if (opcode == kChunkRecord) {
         chunks_.push_back(chunk_at(data_at, header, *in));
         at = chunks_.back().offset + chunks_.back().packed_size;
         continue;
       }
       std::uint64_t size = in->number<std::uint32_t>();
       // Some writers of 2010 state the length of another entry; what follows are 12 bytes for each.
-      if (opcode == kIndexData) size = std::uint64_t{12} * header.number<std::uint32_t>("count");
-      if (opcode == kConnection) learn(header, *in, static_cast<std::uint32_t>(size));
+      if (opcode == kIndexRecord) size = std::uint64_t{12} * header.number<std::uint32_t>("count");
+      if (opcode == kConnectionRecord) learn(header, *in, static_cast<std::uint32_t>(size));
       at = data_at + 4 + size;
       if (at > file_->size()) throw Damage{"cut off"};
     }

@@ -11,7 +11,7 @@
 namespace parloc {
 namespace {
 
-constexpr int kMostRounds = 40;
+constexpr int kMostIterations = 40;
 /// Of Student's t: with so few degrees of freedom a slip counts for little.
 constexpr double kFreedom = 4.0;
 /// Squared error over its variance from which a motion counts as unlike.
@@ -202,7 +202,7 @@ Solution solve(const Problem& problem, const Unknowns& start) {
       largest = std::max(largest, std::fabs(step[i]) / solution.sigma[i]);
     }
     keep_within_reason(solution.at);
-    if (largest < 1e-3 || round >= kMostRounds) return solution;
+    if (largest < 1e-3 || round >= kMostIterations) return solution;
   }
 }
 

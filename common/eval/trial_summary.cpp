@@ -10,7 +10,7 @@
 namespace parloc {
 namespace {
 
-constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
+constexpr double kUnknown = std::numeric_limits<double>::quiet_NaN();
 
 template <class Holds>
 Rate rate_of(const std::vector<TrialResult>& trials, Holds holds) {
@@ -75,11 +75,11 @@ void add_errors(const TrialPlan& plan, const std::vector<TrialResult>& trials, T
     for (const TrialSample& sample : t.samples)
       forecasts.push_back({sample.probability, is_right(plan, sample)});
   }
-  s.unmapped = hits > 0 ? unmapped / hits : kNan;
+  s.unmapped = hits > 0 ? unmapped / hits : kUnknown;
   s.driven_s = s.right_s + s.wrong_s;
-  s.false_lost_per_hour = s.right_s > 0 ? static_cast<double>(s.false_lost) * 3600.0 / s.right_s : kNan;
-  s.missed_lost = s.wrong_s > 0 ? missed_s / s.wrong_s : kNan;
-  s.rmse_m = count > 0 ? std::sqrt(squares_m2 / static_cast<double>(count)) : kNan;
+  s.false_lost_per_hour = s.right_s > 0 ? static_cast<double>(s.false_lost) * 3600.0 / s.right_s : kUnknown;
+  s.missed_lost = s.wrong_s > 0 ? missed_s / s.wrong_s : kUnknown;
+  s.rmse_m = count > 0 ? std::sqrt(squares_m2 / static_cast<double>(count)) : kUnknown;
   s.nees = mean_interval(nees);
   s.calibration = check_calibration(forecasts);
 }
@@ -93,12 +93,12 @@ Spread spread_of(std::vector<double> values) {
 
 MeanInterval mean_interval(const std::vector<double>& values) {
   const auto n = static_cast<double>(values.size());
-  if (values.empty()) return {0, kNan, kNan, kNan};
+  if (values.empty()) return {0, kUnknown, kUnknown, kUnknown};
   double sum = 0.0, squares = 0.0;
   for (const double v : values) sum += v;
   const double mean = sum / n;
   for (const double v : values) squares += (v - mean) * (v - mean);
-  const double half = n > 1 ? 1.959963984540054 * std::sqrt(squares / (n - 1) / n) : kNan;
+  const double half = n > 1 ? 1.959963984540054 * std::sqrt(squares / (n - 1) / n) : kUnknown;
   return {values.size(), mean, mean - half, mean + half};
 }
 

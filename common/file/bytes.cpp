@@ -6,13 +6,13 @@
 
 namespace parloc {
 namespace {
-constexpr std::size_t kBlockBytes = std::size_t{1} << 16;
+constexpr std::size_t kFlushBytes = std::size_t{1} << 16;
 }
 
 void ByteWriter::put_bytes(const void* data, std::size_t size) {
   if (size == 0) return;
-  if (pending_.size() + size > kBlockBytes) flush();
-  if (size < kBlockBytes) {
+  if (pending_.size() + size > kFlushBytes) flush();
+  if (size < kFlushBytes) {
     pending_.append(static_cast<const char*>(data), size);
     return;
   }

@@ -18,7 +18,7 @@ namespace parloc {
 namespace {
 
 constexpr int kLeastOccupied = 65, kMostFree = 25;  // percent: map_saver's thresholds
-constexpr double kMostTilt_rad = 1e-3;
+constexpr double kMostMapTilt_rad = 1e-3;
 
 /// The message has 0.05 as a float32, 0.0500000007: what was meant is the shortest number of that value.
 double as_meant(float resolution_m) {
@@ -39,7 +39,7 @@ GridMap map_from_message(const OccupancyGridMessage& message, const std::string&
   if (message.cells.size() != size)
     throw BrokenMessage{fmt::format("expected {} cells, found {}", size, message.cells.size())};
   RigidTransform origin = message.origin;
-  if (!normalise(origin) || planar_mount(origin).tilt_rad > kMostTilt_rad)
+  if (!normalise(origin) || planar_mount(origin).tilt_rad > kMostMapTilt_rad)
     throw BrokenMessage{"expected a map that lies flat"};
   GridMap map;
   map.width = static_cast<std::int32_t>(message.width);

@@ -6,12 +6,12 @@
 #include <array>
 #include <cmath>
 
+#include "common/math/angle_units.h"
 #include "common/math/portable64.h"
 
 namespace parloc {
 namespace {
 
-constexpr double kDegree = kPi / 180.0;
 constexpr double kUrgStepDeg = 360.0 / 1024.0;
 // A step written to fewer than three places of a radian says too little to tell two steps apart.
 constexpr double kCoarsestStepRad = 0.0005;
@@ -64,7 +64,7 @@ struct CountAngles {
 CountAngles angles_without_statement(std::size_t beams) {
   for (const KnownCount& known : kKnownCounts)
     if (known.beams == beams)
-      return {{-0.5 * whole_view_deg(known) * kDegree, known.step_deg * kDegree, {}}, true};
+      return {{-0.5 * whole_view_deg(known) * kRadPerDeg, known.step_deg * kRadPerDeg, {}}, true};
   return {half_circle(beams), is_common_half_circle(beams)};
 }
 
@@ -86,7 +86,7 @@ bool is_view(const BeamAngles& angles, std::size_t beams, const StatedAngle& fov
 // The step alone: about the middle, but for an even count that fills a whole view and leaves its end out.
 BeamAngles from_step(std::size_t beams, const StatedAngle& step) {
   const double n = static_cast<double>(beams);
-  const double whole_deg = n * step.rad / kDegree;
+  const double whole_deg = n * step.rad / kRadPerDeg;
   const double tens_deg = 10.0 * std::round(whole_deg / 10.0);
   const bool end_left_out = beams % 2 == 0 && std::fabs(whole_deg - tens_deg) <= 1e-6;
   return {-0.5 * step.rad * (end_left_out ? n : n - 1.0), beams == 1 ? 0.0 : step.rad, {}};
@@ -107,7 +107,7 @@ BeamAngles from_both(std::size_t beams, const StatedAngle& fov, const StatedAngl
   const bool view = is_view(by_count, beams, fov), same_step = step_rounds_to(by_count.step_rad, step);
   BeamAngles angles = view || same_step ? by_count : from_step(beams, step);
   angles.doubt = fmt::format("PARAM lines state {:g} degrees in steps of {:g}, which {} beams do not have",
-                             fov.rad / kDegree, step.rad / kDegree, beams);
+                             fov.rad / kRadPerDeg, step.rad / kRadPerDeg, beams);
   return angles;
 }
 

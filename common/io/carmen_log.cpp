@@ -16,7 +16,9 @@
 #include "common/io/carmen_params.h"
 #include "common/io/joined_log.h"
 #include "common/io/log.h"
+#include "common/io/log_limits.h"
 #include "common/io/mount_watch.h"
+#include "common/math/angle_units.h"
 #include "common/math/portable64.h"
 
 namespace parloc {
@@ -25,16 +27,13 @@ namespace {
 
 // What a field may be at most: beyond it, arithmetic on the value would lose the metre, the radian or the
 // microsecond.
-constexpr double kMaxCoordinateM = 1e8;
-constexpr double kMaxHeadingRad = 1e6;
-constexpr double kMaxStampS = 1e12;
 constexpr double kMaxBearingRad = 4.0 * kPi;
 constexpr std::size_t kMaxMessages = 20;
 
 Pose read_pose(Fields& fields, const char* what) {
-  const double x_m = fields.bounded(what, kMaxCoordinateM);
-  const double y_m = fields.bounded(what, kMaxCoordinateM);
-  return {x_m, y_m, wrap64(fields.bounded(what, kMaxHeadingRad))};
+  const double x_m = fields.bounded(what, kMostCoordinate_m);
+  const double y_m = fields.bounded(what, kMostCoordinate_m);
+  return {x_m, y_m, wrap64(fields.bounded(what, kMostHeading_rad))};
 }
 
 // With how finely it is written.
@@ -61,7 +60,7 @@ void read_ranges(Fields& fields, std::vector<float>& ranges_m) {
 
 // The stamp, then the host and the logger's own stamp: a line that holds anything else has been read wrongly.
 double read_end(Fields& fields, bool line_is_terminated) {
-  const double stamp_s = fields.bounded("a time stamp", kMaxStampS);
+  const double stamp_s = fields.bounded("a time stamp", kMostStamp_s);
   if (!line_is_terminated && fields.empty())
     throw BrokenLine{"expected a whole line, found the end of the file"};
   fields.text();
@@ -232,14 +231,13 @@ const UnsaidOfLine& CarmenLog::unsaid_of(bool front, std::size_t beams) {
 void CarmenLog::note_angles(const char* lidar, std::size_t beams, const BeamAngles& angles) {
   for (const LogNote& note : warnings_.notes)
     if (note.about == LogNote::About::angles && note.lidar == lidar) return;
-  constexpr double degree = kPi / 180.0;
   warnings_.notes.push_back(
       {LogNote::About::angles, lidar,
        fmt::format("{}: the lines say no angles, and {}: taken as {:g} to {:g} degrees in steps of {:g}; "
                    "lidars.{}.angle_min and angle_step [rad] say it otherwise",
-                   lidar, angles.doubt, angles.min_rad / degree,
-                   (angles.min_rad + angles.step_rad * static_cast<double>(beams - 1)) / degree,
-                   angles.step_rad / degree, lidar)});
+                   lidar, angles.doubt, angles.min_rad / kRadPerDeg,
+                   (angles.min_rad + angles.step_rad * static_cast<double>(beams - 1)) / kRadPerDeg,
+                   angles.step_rad / kRadPerDeg, lidar)});
 }
 
 // What ROBOTLASER and RAWLASER lines have in common: <k> type start_angle fov resolution max_range accuracy

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <string>
 
+#include "common/math/angle_units.h"
 #include "common/math/portable64.h"
 
 namespace parloc {
@@ -12,7 +13,6 @@ namespace {
 constexpr double kMaxOffsetM = 1e8;
 constexpr double kMaxTurnRad = 4.0 * kPi;
 constexpr double kMaxRangeM = 1e6;
-constexpr double kDegree = kPi / 180.0;
 
 bool take_prefix(std::string_view& name, std::string_view prefix) {
   if (name.substr(0, prefix.size()) != prefix) return false;
@@ -33,7 +33,7 @@ StatedAngle degrees(Fields& fields, const char* what, double most_deg, double le
   const Fields before = fields;
   const double value_deg = above_zero(fields, what, most_deg);
   if (value_deg < least_deg) Fields(before).fail(what);
-  return {kPi * (value_deg / 180.0), half_last_place(text) * kDegree};
+  return {kPi * (value_deg / 180.0), half_last_place(text) * kRadPerDeg};
 }
 
 bool on_or_off(Fields& fields) {

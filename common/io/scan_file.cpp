@@ -9,11 +9,11 @@
 #include "common/error.h"
 #include "common/file/text_fields.h"
 #include "common/file/yaml_section.h"
+#include "common/math/angle_units.h"
 
 namespace parloc {
 namespace {
 
-constexpr double kDegree = 3.14159265358979323846 / 180.0;
 constexpr double kLongest_m = 1e6;
 constexpr double kMostMount = 1000.0;  // [m], or [deg]
 constexpr YamlRules kRules{"a scan", 1024 * 1024, ErrorKind::input};
@@ -53,7 +53,7 @@ std::vector<float> ranges_of(const YamlSection& top) {
 Pose mount_of(const YamlSection& top) {
   double mount[3] = {};
   top.numbers("mount", mount, 3, -kMostMount, kMostMount, "[x, y in m, heading in deg]");
-  return compose({mount[0], mount[1], mount[2] * kDegree}, {});  // wraps the heading
+  return compose({mount[0], mount[1], mount[2] * kRadPerDeg}, {});  // wraps the heading
 }
 
 }  // namespace
@@ -75,8 +75,8 @@ Scan scan_from_text(const std::string& text, const std::string& name) {
   top.finish();
   if (top.has("range_max") && scan.range_min_m >= scan.range_max_m)
     throw top.error("range_min", "must be below range_max");
-  scan.angle_min_rad = angle_min_deg * kDegree;
-  scan.angle_step_rad = angle_step_deg * kDegree;
+  scan.angle_min_rad = angle_min_deg * kRadPerDeg;
+  scan.angle_step_rad = angle_step_deg * kRadPerDeg;
   return scan;
 }
 

@@ -14,23 +14,21 @@
 #include "common/file/line_reader.h"
 #include "common/file/output_file.h"
 #include "common/file/text_rows.h"
+#include "common/io/log_limits.h"
 #include "common/math/portable64.h"
 
 namespace parloc {
 
 namespace {
 
-constexpr double kMaxCoordinateM = 1e8;
-constexpr double kMaxHeadingRad = 1e6;
-constexpr double kMaxStampS = 1e12;            // microseconds stay exact in a double
 constexpr double kQuaternionTolerance = 0.01;  // files have quaternions of 3 decimals too
 
 StampedPose read_row(Fields& fields) {
   StampedPose row;
-  row.stamp_s = fields.bounded("a time stamp", kMaxStampS);
-  row.pose.x_m = fields.bounded("a finite position", kMaxCoordinateM);
-  row.pose.y_m = fields.bounded("a finite position", kMaxCoordinateM);
-  fields.bounded("a finite position", kMaxCoordinateM);
+  row.stamp_s = fields.bounded("a time stamp", kMostStamp_s);
+  row.pose.x_m = fields.bounded("a finite position", kMostCoordinate_m);
+  row.pose.y_m = fields.bounded("a finite position", kMostCoordinate_m);
+  fields.bounded("a finite position", kMostCoordinate_m);
   double q[4];
   double norm2 = 0.0;
   for (double& component : q) {
@@ -67,11 +65,11 @@ std::optional<StampedPose> read_flaser(Fields& fields) {
     throw BrokenLine{fmt::format("expected a number of ranges, found {}, more than the line holds", ranges)};
   for (std::size_t i = 0; i < ranges; ++i) fields.number<float>("a range");
   StampedPose row;
-  row.pose.x_m = fields.bounded("a finite position", kMaxCoordinateM);
-  row.pose.y_m = fields.bounded("a finite position", kMaxCoordinateM);
-  row.pose.theta_rad = wrap64(fields.bounded("a finite heading", kMaxHeadingRad));
+  row.pose.x_m = fields.bounded("a finite position", kMostCoordinate_m);
+  row.pose.y_m = fields.bounded("a finite position", kMostCoordinate_m);
+  row.pose.theta_rad = wrap64(fields.bounded("a finite heading", kMostHeading_rad));
   for (int i = 0; i < 3; ++i) fields.number<double>("odometry");
-  row.stamp_s = fields.bounded("a time stamp", kMaxStampS);
+  row.stamp_s = fields.bounded("a time stamp", kMostStamp_s);
   fields.text();
   fields.text();
   if (!fields.empty()) fields.fail("the end of the line after time stamp, host and logger time stamp");

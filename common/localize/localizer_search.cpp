@@ -14,7 +14,7 @@ constexpr double kFoundSigma_m = 0.07, kFoundSigma_rad = 0.035;
 /// No hypothesis gets fewer particles than this share of an equal part: a wrong ranking must be able to turn.
 constexpr double kLeastShare = 0.25;
 /// Shares of all that the search finds: from here on there is no doubt, and up to here none worth a particle.
-constexpr double kNoDoubt = 0.99, kNoMatter = 0.01;
+constexpr double kNoDoubt = 0.99;
 /// Odds of a place that is found late: those found first were what the scans before spoke for.
 constexpr double kNewcomer = 0.05;
 /// A hypothesis this close to a mode is the same place.

@@ -11,7 +11,7 @@ namespace {
 
 constexpr double kForgets = 0.02;  ///< Per independent scan: a LiDAR may get dirty on the way.
 /// Two beams hit the same wall if they are so close together.
-constexpr double kSame_rad = 0.2, kSameShare = 0.15, kSame_m = 0.1;
+constexpr double kSameWall_rad = 0.2, kSameWallShare = 0.15, kSameWall_m = 0.1;
 
 }  // namespace
 
@@ -26,9 +26,9 @@ void MissingReturns::add(const BeamTable& beams, double novelty) {
   double lost = 0.0, asked = 0.0;
   for (std::size_t k = 1; k + 1 < around_.size(); ++k) {
     const Beam &left = around_[k - 1], &right = around_[k + 1];
-    if (!left.hit || !right.hit || right.bearing_rad - left.bearing_rad > kSame_rad) continue;
+    if (!left.hit || !right.hit || right.bearing_rad - left.bearing_rad > kSameWall_rad) continue;
     if (std::fabs(left.range_m - right.range_m) >
-        kSame_m + kSameShare * std::min(left.range_m, right.range_m))
+        kSameWall_m + kSameWallShare * std::min(left.range_m, right.range_m))
       continue;
     asked += 1.0;
     lost += around_[k].hit ? 0.0 : 1.0;

@@ -8,7 +8,6 @@
 namespace parloc {
 namespace {
 
-constexpr double kNoMatter = 0.01;  ///< Share of the belief.
 /// Scans that must speak for a place besides the one that it was found by.
 constexpr std::size_t kOwnScans = 2;
 /// A carrying away is looked for this far back.

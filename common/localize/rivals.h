@@ -12,6 +12,9 @@
 
 namespace parloc {
 
+/// Places with a smaller share of the belief do not matter.
+inline constexpr double kNoMatter = 0.01;
+
 /// To have been carried away is a hypothesis with a price: it is rare, and among many places one will always
 /// look well. What the same scans say of both places must pay it: those since the doubt began, of which some
 /// are later than the one that the place was found by, which fits it by choice. So beams that no place

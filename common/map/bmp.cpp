@@ -60,7 +60,7 @@ class BmpBytes {
 };
 
 /// What the headers say.
-struct Layout {
+struct BmpLayout {
   std::size_t header;                                             // bytes of the second header
   std::int64_t width, height;                                     // height: positive
   bool top_down;                                                  // the first row in the file is the top one
@@ -75,13 +75,13 @@ struct Layout {
   }
 };
 
-void check_size(const BmpBytes& bytes, const Layout& layout) {
+void check_size(const BmpBytes& bytes, const BmpLayout& layout) {
   if (layout.width < 1 || layout.width > kMaxMapSide || layout.height < 1 || layout.height > kMaxMapSide)
     bytes.fail(fmt::format("image of {} x {} pixels: expected sides from 1 to {}", layout.width,
                            layout.height, kMaxMapSide));
 }
 
-void check_kind(const BmpBytes& bytes, const Layout& layout) {
+void check_kind(const BmpBytes& bytes, const BmpLayout& layout) {
   const bool masked = layout.compression == kBitFields || layout.compression == kAlphaBitFields;
   if (layout.compression != kNoCompression && !masked)
     bytes.fail(fmt::format("a BMP with {} is not supported: expected one without",
@@ -93,7 +93,7 @@ void check_kind(const BmpBytes& bytes, const Layout& layout) {
 }
 
 /// Masks are at the same place in every header that has them, and right behind the one of 40 bytes.
-void read_masks(const BmpBytes& bytes, Layout& layout) {
+void read_masks(const BmpBytes& bytes, BmpLayout& layout) {
   const bool has_alpha = layout.header >= 56 || layout.compression == kAlphaBitFields;
   for (std::size_t c = 0; c < (has_alpha ? 4u : 3u); ++c)
     layout.masks[c] = bytes.number(kFileHeader + 40 + 4 * c, 4);
@@ -106,8 +106,8 @@ void read_masks(const BmpBytes& bytes, Layout& layout) {
   }
 }
 
-Layout read_layout(const BmpBytes& bytes) {
-  Layout layout{};
+BmpLayout read_layout(const BmpBytes& bytes) {
+  BmpLayout layout{};
   layout.header = bytes.number(kFileHeader, 4);
   layout.pixels_at = bytes.number(10, 4);
   if (layout.header == 12) {  // of OS/2 1
@@ -136,7 +136,7 @@ Layout read_layout(const BmpBytes& bytes) {
 }
 
 /// Sums of red, green and blue for each index; black beyond what the file has.
-std::array<std::uint32_t, 256> read_palette(const BmpBytes& bytes, const Layout& layout) {
+std::array<std::uint32_t, 256> read_palette(const BmpBytes& bytes, const BmpLayout& layout) {
   const std::uint32_t most = std::uint32_t{1} << layout.bits;
   if (layout.colours > most)
     bytes.fail(fmt::format("expected at most {} colours with {} bits per pixel, found {}", most, layout.bits,
@@ -158,7 +158,7 @@ void put(GreyImage& image, std::size_t k, std::uint32_t sum) {
   image.colour_sums[k] = 257 * sum;
 }
 
-void put_indexed_row(const std::uint8_t* row, std::size_t first, const Layout& layout,
+void put_indexed_row(const std::uint8_t* row, std::size_t first, const BmpLayout& layout,
                      const std::array<std::uint32_t, 256>& palette, GreyImage& image) {
   const std::uint32_t per_byte = 8 / layout.bits, mask = (1u << layout.bits) - 1;
   for (std::size_t i = 0; i < static_cast<std::size_t>(image.width); ++i) {
@@ -167,7 +167,7 @@ void put_indexed_row(const std::uint8_t* row, std::size_t first, const Layout& l
   }
 }
 
-void put_colour_row(const std::uint8_t* row, std::size_t first, const Layout& layout, GreyImage& image) {
+void put_colour_row(const std::uint8_t* row, std::size_t first, const BmpLayout& layout, GreyImage& image) {
   const std::size_t bytes_each = layout.bits / 8;
   const auto channel = [&](const std::uint8_t* pixel, std::uint32_t mask) {
     return pixel[std::countr_zero(mask) / 8];
@@ -186,7 +186,7 @@ void put_colour_row(const std::uint8_t* row, std::size_t first, const Layout& la
 GreyImage read_bmp(const std::uint8_t* data, std::size_t size, const std::string& name) {
   const BmpBytes bytes(data, size, name);
   if (size < 2 || data[0] != 'B' || data[1] != 'M') bytes.fail("expected a BMP image, which starts with BM");
-  const Layout layout = read_layout(bytes);
+  const BmpLayout layout = read_layout(bytes);
   const auto width = static_cast<std::size_t>(layout.width), height = static_cast<std::size_t>(layout.height);
   bytes.expect(layout.pixels_at, layout.row_bytes() * height, "pixels");  // before memory is asked for
   const std::array<std::uint32_t, 256> palette =

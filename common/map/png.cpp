@@ -61,7 +61,7 @@ bool attempt(Decoder& decoder, const Calls& calls) {
 }
 
 /// What the image is once libpng has expanded it to 8 or 16 bits a channel.
-struct Layout {
+struct PngLayout {
   png_uint_32 width, height;
   std::size_t channels;  // grey, grey + alpha, RGB or RGBA
   std::size_t depth;     // bytes of a channel, 1 or 2
@@ -104,7 +104,7 @@ void check_size(const Decoder& decoder, std::size_t size, const std::string& nam
 }
 
 /// Any depth and colour type to 8 or 16 bits a channel; a palette to RGB, a transparent colour to alpha.
-bool expand_to_bytes(Decoder& decoder, Layout& layout) {
+bool expand_to_bytes(Decoder& decoder, PngLayout& layout) {
   return attempt(decoder, [&](png_structp png, png_infop info) {
     png_set_expand(png);
     png_set_interlace_handling(png);
@@ -125,7 +125,7 @@ std::uint8_t value_8(std::uint16_t value) {
 }
 
 /// Grey is the mean of the colours: exactly, and of what each is with 8 bits.
-void put_pixels(const std::vector<std::uint8_t>& bytes, const Layout& layout, GreyImage& image) {
+void put_pixels(const std::vector<std::uint8_t>& bytes, const PngLayout& layout, GreyImage& image) {
   const bool has_colours = layout.channels >= 3;
   const bool is_fine = has_colours || layout.depth == 2;
   image.pixels.resize(layout.pixels());
@@ -148,7 +148,7 @@ void put_pixels(const std::vector<std::uint8_t>& bytes, const Layout& layout, Gr
 }
 
 /// All rows, one after the other, interlaced or not.
-bool read_rows(Decoder& decoder, const Layout& layout, std::vector<std::uint8_t>& bytes) {
+bool read_rows(Decoder& decoder, const PngLayout& layout, std::vector<std::uint8_t>& bytes) {
   const std::size_t row_bytes = png_get_rowbytes(decoder.png, decoder.info);
   bytes.resize(row_bytes * layout.height);
   std::vector<png_bytep> rows(layout.height);
@@ -166,7 +166,7 @@ GreyImage read_png(const std::uint8_t* data, std::size_t size, const std::string
   const auto corrupt = [&] { return input_error(name, 0, std::string("corrupt PNG: ") + decoder.message); };
   if (!open(decoder, data, size)) throw corrupt();
   check_size(decoder, size, name);
-  Layout layout{};
+  PngLayout layout{};
   if (!expand_to_bytes(decoder, layout)) throw corrupt();
   std::vector<std::uint8_t> bytes;
   if (!read_rows(decoder, layout, bytes)) throw corrupt();

@@ -85,7 +85,7 @@ std::string list_of(const Chain& chain, bool repeat_first) {
 }
 
 /// A text in double quotes as JSON has it, which YAML reads too; bytes that are no UTF-8 are replaced.
-std::string quoted(const std::string& text) {
+std::string json_text(const std::string& text) {
   return nlohmann::json(text).dump(-1, ' ', true, nlohmann::json::error_handler_t::replace);
 }
 
@@ -110,7 +110,7 @@ std::string segment_yaml_of(const GridMap& map, const std::string& name) {
     }
   });
   std::string text = fmt::format("# Walls in metres, map frame.\n{}resolution: {}\n",
-                                 name.empty() ? "" : "name: " + quoted(name) + "\n", map.resolution_m);
+                                 name.empty() ? "" : "name: " + json_text(name) + "\n", map.resolution_m);
   if (!segments.empty()) text += "segments:\n" + segments;
   if (!polylines.empty()) text += "polylines:\n" + polylines;
   if (!polygons.empty()) text += "polygons:\n" + polygons;
@@ -120,7 +120,7 @@ std::string segment_yaml_of(const GridMap& map, const std::string& name) {
 std::string geojson_of(const GridMap& map, const std::string& name) {
   refuse_no_walls(map);
   std::string text = fmt::format("{{\"type\": \"FeatureCollection\", {}\"resolution\": {}, \"features\": [",
-                                 name.empty() ? "" : "\"name\": " + quoted(name) + ", ", map.resolution_m);
+                                 name.empty() ? "" : "\"name\": " + json_text(name) + ", ", map.resolution_m);
   bool first = true;
   for_each_chain(map, [&](const Chain& chain) {
     text += first ? "\n" : ",\n";

@@ -9,13 +9,12 @@
 
 #include "common/error.h"
 #include "common/file/nearest_name.h"
+#include "common/math/angle_units.h"
 #include "common/math/portable64.h"
 #include "common/simulator/corrupt_odometry.h"
 
 namespace parloc {
 namespace {
-
-constexpr double kRadPerDeg = kPi / 180.0;
 
 /// A key, the value that it sets, and in which unit and limits it is written.
 struct Key {

@@ -8,12 +8,12 @@
 #include <limits>
 
 #include "common/file/yaml_section.h"
+#include "common/math/angle_units.h"
 #include "common/math/portable64.h"
 
 namespace parloc {
 namespace {
 
-constexpr double kRadPerDeg = kPi / 180.0;
 constexpr double kFarthest_m = 100'000.0;
 constexpr double kLongestRange_m = 1000.0;
 constexpr std::size_t kLongestFile = 1024 * 1024;

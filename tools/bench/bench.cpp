@@ -126,8 +126,8 @@ void measure(const Plan& plan, const std::vector<bench::Scene>& scenes, bool qui
   (results.scale ? bench::measure_scale : bench::measure_tables)(plan, scenes, control, results);
 }
 
-constexpr const char* kJson = "bench.json";
-constexpr const char* kMarkdown = "bench.md";
+constexpr const char* kBenchJson = "bench.json";
+constexpr const char* kBenchMarkdown = "bench.md";
 constexpr const char* kHtml = "bench.html";
 
 int run(const BenchOptions& o, const std::string& typed) {
@@ -141,7 +141,7 @@ int run(const BenchOptions& o, const std::string& typed) {
   const std::string maps = reads || !o.maps.empty() ? bench::find_maps_folder(o.maps) : "";
   for (const std::string& name : plan.scenes) scenes.push_back(bench::make_scene(name, maps));
   for (const bench::Scene& scene : scenes) results.scenes.push_back({scene.name, scene.what});
-  OutputFolder out(o.out, {kJson, kMarkdown, kHtml});
+  OutputFolder out(o.out, {kBenchJson, kBenchMarkdown, kHtml});
 
   results.scale = o.scale;
   results.quick = o.quick;
@@ -155,20 +155,20 @@ int run(const BenchOptions& o, const std::string& typed) {
   }
 
   const std::string json = bench::json_text(results);
-  replace_file(out.staged(kJson), json);
-  replace_file(out.staged(kMarkdown), bench::markdown_page(results));
+  replace_file(out.staged(kBenchJson), json);
+  replace_file(out.staged(kBenchMarkdown), bench::markdown_page(results));
   replace_file(out.staged(kHtml), bench::html_page(results));
   out.publish();
   if (o.json) {
     std::fputs(json.c_str(), stdout);
   } else if (!o.quiet) {
     fmt::print("{}{:<9}{} (beside it: {}, {})\n", bench::terminal_page(results), "page",
-               out.final_path(kHtml), kMarkdown, kJson);
+               out.final_path(kHtml), kBenchMarkdown, kBenchJson);
   }
   if (results.interrupted) return kExitInterrupted;
   if (results.failed)
     throw Error(ErrorKind::internal, "some rows broke off (" + results.skipped.front().why +
-                                         "); the others are in " + out.final_path(kJson));
+                                         "); the others are in " + out.final_path(kBenchJson));
   return 0;
 }
 

@@ -16,6 +16,7 @@
 #include "common/file/output_file.h"
 #include "common/inputs/open_map.h"
 #include "common/map/map_reader.h"
+#include "common/math/angle_units.h"
 #include "common/simulator/scenario.h"
 #include "tools/compare/comparison.h"
 #include "tools/program/commands.h"
@@ -28,7 +29,7 @@ namespace {
 
 using compare::Comparison;
 
-constexpr double kLongest_s = 1e6, kFarthest_m = 1e4;
+constexpr double kLongestLimit_s = 1e6, kFarthest_m = 1e4;
 
 /// The command line; what was not given is empty.
 struct CompareOptions {
@@ -77,13 +78,12 @@ compare::Kidnapping kidnapping_of(const std::string& text) {
   const bool single = dots == std::string::npos;
   compare::Kidnapping k;
   std::tie(k.until_s, k.distance_m) =
-      two_numbers("--kidnap", single ? text : text.substr(dots + 2), kLongest_s, kFarthest_m);
+      two_numbers("--kidnap", single ? text : text.substr(dots + 2), kLongestLimit_s, kFarthest_m);
   k.after_s = single ? k.until_s : parse_number("--kidnap", text.substr(0, dots), 0.0, k.until_s);
   return k;
 }
 
-constexpr double kRadPerDeg = 3.14159265358979323846 / 180.0;
-constexpr std::uint64_t kMostSeeds = 10000, kLastSeed = 1000000000;
+constexpr std::uint64_t kMostSeeds = 10000, kLastPairSeed = 1000000000;
 
 void check_options(const CompareOptions& o) {
   const auto usage = [](const char* words) { return Error(ErrorKind::usage, words); };
@@ -99,7 +99,7 @@ void check_options(const CompareOptions& o) {
 
 compare::DrivePlan plan_of(const CompareOptions& o) {
   compare::DrivePlan plan;
-  if (!o.duration.empty()) plan.duration_s = parse_number("--duration", o.duration, 0.5, kLongest_s);
+  if (!o.duration.empty()) plan.duration_s = parse_number("--duration", o.duration, 0.5, kLongestLimit_s);
   if (!o.kidnap.empty()) plan.kidnapping = kidnapping_of(o.kidnap);
   return plan;
 }
@@ -127,7 +127,7 @@ compare::Request request_of(const CompareOptions& o) {
   const Config base = base_config(o);
   r.entries = compare::read_entries(o.filters.empty() ? compare::kDefaultFilters : o.filters, base);
   r.start = start_of(o);
-  r.first_seed = whole_within("--seed", o.seed, 0, kLastSeed, 1);
+  r.first_seed = whole_within("--seed", o.seed, 0, kLastPairSeed, 1);
   r.seeds = whole_within("--seeds", o.seeds, 1, kMostSeeds, 5);
   r.jobs = static_cast<int>(std::min(whole_within("--jobs", o.jobs, 1, 256, 1), std::uint64_t{r.seeds}));
   return r;
@@ -189,9 +189,9 @@ void check_walls(const GridMap& map, const std::string& path) {
     throw input_error(path, 0, "expected a map with walls, found no occupied cell");
 }
 
-constexpr const char* kJson = "compare.json";
-constexpr const char* kMarkdown = "compare.md";
-constexpr const char* kPage = "report.html";
+constexpr const char* kCompareJson = "compare.json";
+constexpr const char* kCompareMarkdown = "compare.md";
+constexpr const char* kComparePage = "report.html";
 
 int run(const CompareOptions& o, const std::string& typed) {
   // Everything that can be wrong is looked at before the long work.
@@ -209,7 +209,8 @@ int run(const CompareOptions& o, const std::string& typed) {
   c.published = published_for(o, c, map);
   std::unique_ptr<OutputFolder> out;
   if (!o.out.empty())
-    out = std::make_unique<OutputFolder>(o.out, std::vector<std::string>{kJson, kMarkdown, kPage});
+    out = std::make_unique<OutputFolder>(
+        o.out, std::vector<std::string>{kCompareJson, kCompareMarkdown, kComparePage});
 
   run_with_progress(c, source, map, o.quiet);
   if (c.outcome.finished == 0) {
@@ -217,14 +218,16 @@ int run(const CompareOptions& o, const std::string& typed) {
     return kExitInterrupted;
   }
   if (out) {
-    replace_file(out->staged(kJson), compare::json_text(c));
-    replace_file(out->staged(kMarkdown), compare::markdown_text(c));
-    replace_file(out->staged(kPage), compare::html_page(c));
+    replace_file(out->staged(kCompareJson), compare::json_text(c));
+    replace_file(out->staged(kCompareMarkdown), compare::markdown_text(c));
+    replace_file(out->staged(kComparePage), compare::html_page(c));
     out->publish();
   }
   if (!o.quiet) {
     fmt::print("{}", compare::terminal_text(c));
-    if (out) fmt::print("{:<12}{} (beside it: {}, {})\n", "report", out->final_path(kPage), kJson, kMarkdown);
+    if (out)
+      fmt::print("{:<12}{} (beside it: {}, {})\n", "report", out->final_path(kComparePage), kCompareJson,
+                 kCompareMarkdown);
   }
   return c.interrupted ? kExitInterrupted : 0;
 }

@@ -9,6 +9,7 @@
 #include <utility>
 
 #include "common/error.h"
+#include "common/math/angle_units.h"
 #include "tools/report/machine/machine.h"
 #include "tools/report/map_view.h"
 #include "tools/report/plots/plot.h"
@@ -19,7 +20,6 @@
 namespace parloc::tools::evaluate {
 namespace {
 
-constexpr double kDegrees = 180.0 / std::numbers::pi;
 constexpr std::size_t kLargest = 10;
 
 std::string mean_and_std(double mean_m, double std_m) {
@@ -47,7 +47,7 @@ Json largest_json(const RelationsReport& r) {
   return largest;
 }
 
-constexpr std::int32_t kLeastMap_px = 600, kMostMap_px = 1600;
+constexpr std::int32_t kLeastPicture_px = 600, kMostPicture_px = 1600;
 
 /// What is smaller is drawn there: the axis is logarithmic.
 constexpr double kLeastDrawn_m = 1e-4, kLeastDrawn_deg = 1e-3;
@@ -66,7 +66,7 @@ std::string plots(const RelationsReport& r) {
   std::vector<double> translations_m, rotations_deg;
   for (const RelationError& e : r.errors.each) {
     translations_m.push_back(e.translation_m);
-    rotations_deg.push_back(kDegrees * e.rotation_rad);
+    rotations_deg.push_back(kDegPerRad * e.rotation_rad);
   }
   Plot translation = share_plot("Relations with at most that error in translation, %",
                                 std::move(translations_m), r.errors.translation_mean_m, kLeastDrawn_m);
@@ -75,7 +75,7 @@ std::string plots(const RelationsReport& r) {
     translation.series.push_back(upright(fmt::format("{}: published mean", kPublishedMethods[m]), colours[m],
                                          r.log->errors[m].mean_m, 0.0, 100.0));
   const Plot rotation = share_plot("... in rotation, %", std::move(rotations_deg),
-                                   kDegrees * r.errors.rotation_mean_rad, kLeastDrawn_deg);
+                                   kDegPerRad * r.errors.rotation_mean_rad, kLeastDrawn_deg);
   return "<div class=\"sizes\">" + render_plot(translation, size_axis(translation, "m", true)) +
          render_plot(rotation, size_axis(rotation, "degrees", true)) + "</div>\n" +
          render_legend(translation.series);
@@ -87,7 +87,7 @@ Table largest_table(const std::vector<RelationError>& largest) {
   for (const RelationError& e : largest)
     table.rows.push_back({fmt::format("{:.6f}", e.stamp_1_s), fmt::format("{:.6f}", e.stamp_2_s),
                           fmt::format("{:.3f}", e.translation_m),
-                          fmt::format("{:.2f}", kDegrees * e.rotation_rad)});
+                          fmt::format("{:.2f}", kDegPerRad * e.rotation_rad)});
   return table;
 }
 
@@ -99,13 +99,13 @@ std::string drawn(const RelationError& e, const MapView& view) {
   return fmt::format(
       "<g><title>{:.3f} m, {:.2f} degrees</title><path class=\"between c5\" d=\"M{:.1f} {:.1f}L{:.1f} "
       "{:.1f}\"/><path class=\"pair c5\" d=\"M{:.1f} {:.1f}h0M{:.1f} {:.1f}h0\"/></g>",
-      e.translation_m, kDegrees * e.rotation_rad, from.x, from.y, to.x, to.y, from.x, from.y, to.x, to.y);
+      e.translation_m, kDegPerRad * e.rotation_rad, from.x, from.y, to.x, to.y, from.x, from.y, to.x, to.y);
 }
 
 std::string map_figure(const RelationsReport& r, const std::vector<RelationError>& largest) {
   RunReport only_path;
   only_path.estimate = r.trajectory;
-  const std::optional<MapView> view = fit_view(only_path, kLeastMap_px, kMostMap_px);
+  const std::optional<MapView> view = fit_view(only_path, kLeastPicture_px, kMostPicture_px);
   if (!view) return "";
   std::string drawing = svg_path("way c6", track_path(r.trajectory, *view, {20000, 0.33}));
   for (const RelationError& e : largest) drawing += drawn(e, *view);
@@ -114,7 +114,7 @@ std::string map_figure(const RelationsReport& r, const std::vector<RelationError
          map_frame(*view, "Trajectory with the largest errors", drawing) + "</figure>\n";
 }
 
-constexpr const char* kStyle =
+constexpr const char* kRelationsStyle =
     ".way{stroke-width:1.2px;opacity:.6}.between{stroke-width:2.5px}.pair{stroke-width:9px}th{width:22%;"
     "overflow-wrap:normal}table.numbers th{width:auto}";
 
@@ -144,7 +144,7 @@ Table error_table(const RelationsReport& r) {
   add("translation [m]", 4, 1.0,
       {e.translation_mean_m, e.translation_std_m, e.translation_rmse_m, e.translation_median_m,
        e.translation_max_m});
-  add("rotation [deg]", 2, kDegrees,
+  add("rotation [deg]", 2, kDegPerRad,
       {e.rotation_mean_rad, e.rotation_std_rad, e.rotation_rmse_rad, e.rotation_median_rad,
        e.rotation_max_rad});
   return table;
@@ -228,7 +228,7 @@ std::string json_text(const RelationsReport& r) {
 }
 
 std::string html_page(const RelationsReport& r) {
-  std::string html = page_head("parloc evaluate: relation error", r.date, r.command, kStyle);
+  std::string html = page_head("parloc evaluate: relation error", r.date, r.command, kRelationsStyle);
   html += facts_table(origin_facts(r), "summary");
   html += html_text(error_table(r)) + html_text(published_table(r));
   html += "<h2>How large</h2>\n" + plots(r);

@@ -20,7 +20,7 @@ namespace parloc::tools {
 namespace {
 
 constexpr const char* kSettings = "calibration.yaml";
-constexpr const char* kJson = "calibration.json";
+constexpr const char* kCalibrationJson = "calibration.json";
 /// Of the time that it takes.
 constexpr double kReading = 0.6;
 
@@ -45,7 +45,7 @@ LogCalibration calibrate_records(const CalibrateOptions& o, const Config& config
 
 int calibrate_log(const CalibrateOptions& o, const Config& config, const std::string& typed) {
   const CalibrationParts parts = calibration_parts(o.what);
-  OutputFolder out(o.out, {kSettings, kJson});
+  OutputFolder out(o.out, {kSettings, kCalibrationJson});
   catch_interrupts();
   const LogCalibration found = calibrate_records(o, config);
   const std::string settings = calibration_settings(found, parts, config.motion, typed);
@@ -53,11 +53,12 @@ int calibrate_log(const CalibrateOptions& o, const Config& config, const std::st
   json["log"] = o.log;
   json["interrupted"] = interrupted();
   replace_file(out.staged(kSettings), settings);
-  replace_file(out.staged(kJson), json.dump(2) + "\n");
+  replace_file(out.staged(kCalibrationJson), json.dump(2) + "\n");
   out.publish();
   if (!o.quiet) fmt::print(stderr, "{}", calibration_table(found, parts, config.motion));
   std::fputs(o.json ? (json.dump(2) + "\n").c_str() : settings.c_str(), stdout);
-  if (!o.quiet) fmt::print(stderr, "{:<16}{} (beside it: {})\n", "results", out.final_path(kSettings), kJson);
+  if (!o.quiet)
+    fmt::print(stderr, "{:<16}{} (beside it: {})\n", "results", out.final_path(kSettings), kCalibrationJson);
   return interrupted() ? kExitInterrupted : 0;
 }
 

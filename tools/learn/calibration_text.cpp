@@ -7,12 +7,12 @@
 #include <sstream>
 
 #include "common/error.h"
+#include "common/math/angle_units.h"
 #include "common/math/portable64.h"
 
 namespace parloc::tools {
 namespace {
 
-constexpr double kDegrees = 180.0 / kPi;
 /// A difference is marked beyond so many standard deviations.
 constexpr double kClearly = 3.0;
 
@@ -103,7 +103,7 @@ std::vector<CalibrationRow> mount_rows(const LidarCalibration& lidar) {
   const Pose& stated = lidar.stated.T_base_sensor;
   return {{"x, ahead", "m", "x", f[Unknown::x], stated.x_m, 1.0},
           {"y, to the left", "m", "y", f[Unknown::y], stated.y_m, 1.0},
-          {"yaw", "degrees", "yaw", f[Unknown::yaw], stated.theta_rad, kDegrees}};
+          {"yaw", "degrees", "yaw", f[Unknown::yaw], stated.theta_rad, kDegPerRad}};
 }
 
 std::vector<CalibrationRow> odometry_rows(const LogCalibration& found, const CalibrationParts& parts,
@@ -117,7 +117,7 @@ std::vector<CalibrationRow> odometry_rows(const LogCalibration& found, const Cal
                       stated.odometry_scale_side, 1.0});
     rows.push_back(
         {"scale of turn", "", "odometry_scale_turn", found[Unknown::turn], stated.odometry_scale_turn, 1.0});
-    rows.push_back({"turns besides", "deg/m", "drift_rad_per_m", found[Unknown::drift], 0.0, kDegrees});
+    rows.push_back({"turns besides", "deg/m", "drift_rad_per_m", found[Unknown::drift], 0.0, kDegPerRad});
   }
   if (parts.delay)
     rows.push_back({"delay", "s", "odometry_delay_s", found[Unknown::delay], stated.odometry_delay_s, 1.0});
@@ -129,7 +129,7 @@ std::string calibration_table(const LogCalibration& found, const CalibrationPart
   std::string text = fmt::format(
       "{:.1f} m driven and {:.0f} degrees turned, by the odometry\n"
       "  {:<16} {:<7} {:>10} {:>10} {:>10} {:>11}\n",
-      found.driven_m, found.turned_rad * kDegrees, "", "", "value", "+-", "stated", "difference");
+      found.driven_m, found.turned_rad * kDegPerRad, "", "", "value", "+-", "stated", "difference");
   for (const LidarCalibration& lidar : found.lidars) {
     text += fmt::format("{}: {} motions compared, {} scans{}\n", lidar.name, lidar.fit.motions, lidar.scans,
                         lidar.fit.unlike > 0

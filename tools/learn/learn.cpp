@@ -36,7 +36,7 @@ struct LearnOptions : ConfigOptions {
 };
 
 constexpr const char* kConfig = "sensor.yaml";
-constexpr const char* kPicture = "mixture.png";
+constexpr const char* kMixturePicture = "mixture.png";
 
 void declare(CLI::App& app, LearnOptions& o) {
   add_text_option(app, "--map", o.map, "M.yaml", "ROS map_server YAML");
@@ -129,7 +129,7 @@ int run(const LearnOptions& o, const std::string& typed) {
   if (o.map.empty()) throw Error(ErrorKind::usage, "--map is required");
   if (o.truth.empty()) throw Error(ErrorKind::usage, "--truth is required");
   const Config config = learn_config(o);
-  OutputFolder out(o.out, {kConfig, kPicture});
+  OutputFolder out(o.out, {kConfig, kMixturePicture});
   catch_interrupts();
   const RangePairsOfLog found = collect(o, config);
   if (found.ranges.pairs.size() < kFewestPairs) {
@@ -146,7 +146,7 @@ int run(const LearnOptions& o, const std::string& typed) {
   std::string block = sensor_block(learned.sensor, typed);
   if (delay && delay->significant()) block += motion_block(*delay);
   replace_file(out.staged(kConfig), block);
-  write_mixture_picture(out.staged(kPicture), found.ranges, fit.mixture);
+  write_mixture_picture(out.staged(kMixturePicture), found.ranges, fit.mixture);
   out.publish();
   std::fputs(block.c_str(), stdout);
   if (!o.quiet) {
@@ -156,7 +156,7 @@ int run(const LearnOptions& o, const std::string& typed) {
                fit.log_likelihood.back(), fit.log_likelihood.size(), fit.log_likelihood.front(),
                fit.converged ? "" : " (not at its end yet)");
     fmt::print(stderr, "{:<16}{}\n", "odometry delay", delay_text(delay));
-    fmt::print(stderr, "{:<16}{} (beside it: {})\n", "picture", out.final_path(kPicture), kConfig);
+    fmt::print(stderr, "{:<16}{} (beside it: {})\n", "picture", out.final_path(kMixturePicture), kConfig);
   }
   return interrupted() ? kExitInterrupted : 0;
 }

@@ -171,8 +171,8 @@ void print_table(const Located& l) {
                100.0 * h.explained, 100.0 * h.through, 100.0 * h.unmapped);
 }
 
-constexpr const char* kJson = "hypotheses.json";
-constexpr const char* kPicture = "picture.png";
+constexpr const char* kHypothesesJson = "hypotheses.json";
+constexpr const char* kPlacesPicture = "picture.png";
 
 int locate(const LocateOptions& o, const std::string&) {
   // Everything that can be wrong is looked at before the long work.
@@ -183,7 +183,8 @@ int locate(const LocateOptions& o, const std::string&) {
   print_notes(map.notes);
   const ChosenScan chosen = choose_scan(o, config);
   std::unique_ptr<OutputFolder> out;
-  if (!o.out.empty()) out = std::make_unique<OutputFolder>(o.out, std::vector<std::string>{kJson, kPicture});
+  if (!o.out.empty())
+    out = std::make_unique<OutputFolder>(o.out, std::vector<std::string>{kHypothesesJson, kPlacesPicture});
 
   const LidarSetup setup =
       lidar_setup(chosen.scan, config.scan, find_lidar(config.lidars, chosen.scan.sensor));
@@ -203,8 +204,8 @@ int locate(const LocateOptions& o, const std::string&) {
 
   const std::string text = as_json(l).dump(2) + "\n";
   if (out) {
-    replace_file(out->staged(kJson), text);
-    write_hypothesis_picture(out->staged(kPicture), map, l.result.hypotheses,
+    replace_file(out->staged(kHypothesesJson), text);
+    write_hypothesis_picture(out->staged(kPlacesPicture), map, l.result.hypotheses,
                              end_points(chosen.scan, setup, nullptr));
     out->publish();
   }

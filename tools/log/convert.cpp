@@ -25,12 +25,12 @@
 namespace parloc::tools {
 namespace {
 
-struct ConvertOptions : LogArguments {
+struct ConvertLogOptions : LogArguments {
   std::string output;
   bool quiet = false;
 };
 
-void declare(CLI::App& app, ConvertOptions& o) {
+void declare(CLI::App& app, ConvertLogOptions& o) {
   add_log_argument(app, o);
   add_text_option(app, "--output", o.output, "OUT", "OUT.mcap (ROS 2), or OUT.log (CARMEN)")->required();
   app.add_flag("--quiet", o.quiet, "No progress and no summary");
@@ -69,7 +69,8 @@ struct Converted {
 };
 
 /// Until the log ends, or somebody ends it.
-Converted convert_records(LogReader& log, ConvertedLog& out, const ConvertOptions& o, const Config& config) {
+Converted convert_records(LogReader& log, ConvertedLog& out, const ConvertLogOptions& o,
+                          const Config& config) {
   Converted done;
   Progress progress(o.quiet);
   LogRecord record;
@@ -107,7 +108,7 @@ std::vector<std::string> warnings_of(const LogWarnings& found, const ConvertedLo
   return lines;
 }
 
-int convert(const ConvertOptions& o, const std::string&) {
+int convert(const ConvertLogOptions& o, const std::string&) {
   const bool to_mcap = is_mcap_name(o.output);
   std::error_code error;
   if (std::filesystem::equivalent(o.log, o.output, error) && !error)
@@ -144,7 +145,7 @@ int convert(const ConvertOptions& o, const std::string&) {
 }  // namespace
 
 Command add_log_convert(CLI::App& log) {
-  return add_command<ConvertOptions>(log, "convert", "Write a log as MCAP or CARMEN", declare, convert);
+  return add_command<ConvertLogOptions>(log, "convert", "Write a log as MCAP or CARMEN", declare, convert);
 }
 
 }  // namespace parloc::tools

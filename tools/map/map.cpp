@@ -163,7 +163,7 @@ int check(const LoadedMap& loaded) {
 }
 
 /// As on the command line; empty: not given.
-struct ConvertOptions {
+struct ConvertMapOptions {
   std::string in, out, to, resolution, max_error, picture;
   bool unknown_blocks = false, crop = false;
 };
@@ -189,7 +189,7 @@ void print_grid(const std::string& path, const GridMap& map) {
              map.resolution_m, std::count(map.cells.begin(), map.cells.end(), Cell::occupied));
 }
 
-void walls_to_grid(const ConvertOptions& o, const LoadedMap& loaded) {
+void walls_to_grid(const ConvertMapOptions& o, const LoadedMap& loaded) {
   write_map(o.out, loaded.map);
   print_source(loaded, o.in);
   print_grid(o.out, loaded.map);
@@ -197,7 +197,7 @@ void walls_to_grid(const ConvertOptions& o, const LoadedMap& loaded) {
              "error", 0.70711 * loaded.map.resolution_m, raster_error_m(loaded.map));
 }
 
-void grid_to_walls(const ConvertOptions& o, GridMap& map, double max_error_m) {
+void grid_to_walls(const ConvertMapOptions& o, GridMap& map, double max_error_m) {
   TracedWalls traced = trace_walls(map, max_error_m, o.unknown_blocks);
   if (traced.walls.empty()) {
     throw input_error(o.in, 0, "expected a wall to trace: no blocking cell has another beside it");
@@ -214,7 +214,7 @@ void grid_to_walls(const ConvertOptions& o, GridMap& map, double max_error_m) {
   fmt::print("{:<12}at most {} m allowed, {:.4f} m measured\n", "error", max_error_m, traced.error_m);
 }
 
-void walls_to_walls(const ConvertOptions& o, const LoadedMap& loaded) {
+void walls_to_walls(const ConvertMapOptions& o, const LoadedMap& loaded) {
   write_segment_map(o.out, loaded.map, loaded.segments->title);
   print_source(loaded, o.in);
   fmt::print("{:<12}{}: the same\n", "walls", o.out);
@@ -222,7 +222,7 @@ void walls_to_walls(const ConvertOptions& o, const LoadedMap& loaded) {
 
 constexpr std::int32_t kCropMargin = 1;  ///< [cells]
 
-void crop_grid(const ConvertOptions& o, LoadedMap& loaded) {
+void crop_grid(const ConvertMapOptions& o, LoadedMap& loaded) {
   GridMap part = cropped(loaded.map, kCropMargin);
   print_grid(o.in, loaded.map);
   loaded.map = std::move(part);
@@ -230,7 +230,7 @@ void crop_grid(const ConvertOptions& o, LoadedMap& loaded) {
   print_grid(o.out, loaded.map);
 }
 
-void refuse_own_input(const ConvertOptions& o) {
+void refuse_own_input(const ConvertMapOptions& o) {
   std::error_code error;
   if (std::filesystem::equivalent(o.in, o.out, error) && !error) refuse("OUT is the file that IN is");
 }
@@ -245,7 +245,7 @@ void refuse_other_endings(const std::string& out, bool walls) {
 }
 
 /// Gives the exit code; throws Error.
-int convert_map(const ConvertOptions& o) {
+int convert_map(const ConvertMapOptions& o) {
   std::optional<double> resolution_m;
   if (!o.resolution.empty())
     resolution_m = parse_number("--resolution", o.resolution, kFinestResolution_m, kCoarsestResolution_m);
@@ -284,7 +284,7 @@ void add_map_argument(CLI::App& app, std::string& target) {
   add_text_option(app, "MAP", target, "FILE", "map_server YAML, or segments (YAML, GeoJSON)")->required();
 }
 
-CLI::App* add_convert(CLI::App& map, ConvertOptions& o) {
+CLI::App* add_convert(CLI::App& map, ConvertMapOptions& o) {
   CLI::App* app = map.add_subcommand("convert", "Make a grid of segments or the reverse, or crop a grid");
   add_text_option(*app, "IN", o.in, "FILE", "A map of either kind")->required();
   add_text_option(*app, "OUT", o.out, "FILE", ".yaml, or .geojson for segments")->required();
@@ -301,7 +301,7 @@ CLI::App* add_convert(CLI::App& map, ConvertOptions& o) {
 
 struct MapOptions {
   std::string path, picture;
-  ConvertOptions convert;
+  ConvertMapOptions convert;
 };
 
 }  // namespace

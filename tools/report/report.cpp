@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "common/file/output_file.h"
+#include "common/math/angle_units.h"
 #include "common/math/quantile.h"
 #include "tools/report/plots/axis.h"
 #include "tools/report/report_sections.h"
@@ -15,8 +16,6 @@
 
 namespace parloc::tools {
 namespace {
-
-constexpr double degrees_per_rad = 180.0 / std::numbers::pi;
 
 Axis report_axis(const RunReport& report) {
   std::vector<double> stamps;
@@ -42,7 +41,7 @@ std::string distance_text(double value_m) {
 }
 
 std::string degrees_text(double angle_rad) {
-  return number_text(angle_rad * degrees_per_rad, 2) + "\xC2\xB0";
+  return number_text(angle_rad * kDegPerRad, 2) + "\xC2\xB0";
 }
 
 Facts route_facts(const RunReport& report) {

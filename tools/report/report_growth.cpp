@@ -11,7 +11,6 @@
 namespace parloc::tools {
 namespace {
 
-constexpr std::size_t most_moments = 24;
 constexpr std::int32_t most_image_px = 1000;
 
 /// The part of a moment's grid that lies under `view`, as an image of at most most_image_px a side.
@@ -80,7 +79,7 @@ std::string frame(const MapMoment& moment, const MapView& view, const Axis& axis
 }  // namespace
 
 std::string growth_figures(const RunReport& report, const MapView& view, const Axis& axis) {
-  const std::vector<std::size_t> moments = evenly_spaced(report.growth.size(), most_moments);
+  const std::vector<std::size_t> moments = evenly_spaced(report.growth.size(), kMostMoments);
   if (moments.empty()) return "";
   std::string drawing;
   for (std::size_t k = 0; k < moments.size(); ++k)

@@ -15,7 +15,7 @@ namespace parloc::tools {
 namespace {
 
 constexpr std::int32_t most_map_px = 1600;
-constexpr std::size_t most_moments = 24, most_scan_points = 1000;
+constexpr std::size_t most_scan_points = 1000;
 
 std::string scan_points(const Snapshot& snapshot, const MapView& view, const std::string& id) {
   std::string d;
@@ -223,7 +223,7 @@ std::string map_figures(const RunReport& report, const Axis& axis) {
   const std::optional<MapView> fitted = fit_view(report, 1, most_map_px);
   if (!fitted) return "";
   const MapView& view = *fitted;
-  const std::vector<std::size_t> moments = evenly_spaced(report.snapshots.size(), most_moments);
+  const std::vector<std::size_t> moments = evenly_spaced(report.snapshots.size(), kMostMoments);
   std::string html = invert_filter() + growth_figures(report, view, axis) + "<h2>Where it was</h2>\n" +
                      overview(report, view, axis, moments);
   if (moments.empty()) return html;

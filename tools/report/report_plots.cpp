@@ -5,6 +5,7 @@
 #include <numbers>
 #include <utility>
 
+#include "common/math/angle_units.h"
 #include "common/math/quantile.h"
 #include "tools/report/plots/plot.h"
 #include "tools/report/report_sections.h"
@@ -12,8 +13,6 @@
 
 namespace parloc::tools {
 namespace {
-
-constexpr double degrees_per_rad = 180.0 / std::numbers::pi;
 
 template <class Get>
 std::vector<double> column(const std::vector<StepRecord>& steps, Get get) {
@@ -112,8 +111,8 @@ std::vector<Plot> error_plots(const RunReport& report) {
   const auto sigma = [&](double StepRecord::*value) { return column(report.steps, value); };
   return {error_plot("Error in x", "m", e, e.x_error_m, report.steps, sigma(&StepRecord::sigma_x_m)),
           error_plot("Error in y", "m", e, e.y_error_m, report.steps, sigma(&StepRecord::sigma_y_m)),
-          error_plot("Error in heading", "degrees", e, scaled(e.heading_error_rad, degrees_per_rad),
-                     report.steps, scaled(sigma(&StepRecord::sigma_theta_rad), degrees_per_rad))};
+          error_plot("Error in heading", "degrees", e, scaled(e.heading_error_rad, kDegPerRad), report.steps,
+                     scaled(sigma(&StepRecord::sigma_theta_rad), kDegPerRad))};
 }
 
 std::string plot_figures(const RunReport& report, const Axis& axis) {
@@ -121,7 +120,7 @@ std::string plot_figures(const RunReport& report, const Axis& axis) {
   const std::vector<double> sigma_x = column(report.steps, &StepRecord::sigma_x_m);
   const std::vector<double> sigma_y = column(report.steps, &StepRecord::sigma_y_m);
   const std::vector<double> sigma_theta =
-      scaled(column(report.steps, &StepRecord::sigma_theta_rad), degrees_per_rad);
+      scaled(column(report.steps, &StepRecord::sigma_theta_rad), kDegPerRad);
   std::string html;
   if (report.errors) html += render_plot(position_plot(*report.errors), axis);
   for (const Plot& plot : error_plots(report)) html += render_plot(plot, axis);

@@ -11,6 +11,9 @@
 
 namespace parloc::tools {
 
+/// So many pictures of a run are drawn at most, evenly spread over it.
+inline constexpr std::size_t kMostMoments = 24;
+
 /// The style sheet: light and dark, any width. Classes c1 to c6 are the colours of lines and marks.
 const char* report_style();
 

@@ -12,13 +12,12 @@
 
 #include "common/config/config.h"
 #include "common/io/log_notes.h"
+#include "common/math/angle_units.h"
 #include "tools/report/result_parts.h"
 #include "tools/run/localize_log.h"
 
 namespace parloc::tools {
 namespace {
-
-constexpr double kDegrees = 180.0 / std::numbers::pi;
 
 void add_track_errors(Json& json, const std::optional<TrackErrors>& errors) {
   const bool known = errors && errors->compared > 0;
@@ -112,8 +111,8 @@ std::string position_text(const TrackErrors& e) {
                      e.position_rmse_m, e.position_p95_m, e.position_max_m);
 }
 std::string heading_text(const TrackErrors& e) {
-  return fmt::format("mean {:.2f}, RMSE {:.2f}, maximum {:.2f} degrees", e.heading_mae_rad * kDegrees,
-                     e.heading_rmse_rad * kDegrees, e.heading_max_rad * kDegrees);
+  return fmt::format("mean {:.2f}, RMSE {:.2f}, maximum {:.2f} degrees", e.heading_mae_rad * kDegPerRad,
+                     e.heading_rmse_rad * kDegPerRad, e.heading_max_rad * kDegPerRad);
 }
 std::string consistency_text(const Consistency& c) {
   return fmt::format(
@@ -190,7 +189,7 @@ void add_lidar_facts(Facts& facts, const Localization& run) {
 
 std::string last_error(const TrackErrors& e) {
   return fmt::format("{:.3f} m and {:.2f} degrees", e.position_error_m.back(),
-                     std::abs(e.heading_error_rad.back()) * kDegrees);
+                     std::abs(e.heading_error_rad.back()) * kDegPerRad);
 }
 std::string end_text(const TrackErrors& estimate, const std::optional<TrackErrors>& odometry) {
   std::string text = last_error(estimate) + " off";

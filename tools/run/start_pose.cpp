@@ -46,7 +46,7 @@ StartPose parse_start_pose(const std::string& text, const Config& config) {
   if (std::fabs(v[2]) > turn_rad) {
     throw Error(ErrorKind::usage, fmt::format("--init {}: theta is in radians, -2 pi to 2 pi", text));
   }
-  start.pose = compose({v[0], v[1], v[2]}, {});  // wraps theta
+  start.pose = compose(Pose{v[0], v[1], v[2]}, Pose{});  // wraps theta
   start.sigma_x_m = v.size() == 6 ? v[3] : config.initial_sigma_xy;
   start.sigma_y_m = v.size() == 6 ? v[4] : config.initial_sigma_xy;
   start.sigma_theta_rad = v.size() == 6 ? v[5] : config.initial_sigma_theta;

@@ -8,6 +8,7 @@
 
 #include "common/eval/align.h"
 #include "common/io/log_notes.h"
+#include "common/math/angle_units.h"
 #include "common/slam/matching/tiles.h"
 #include "tools/report/machine/statistics.h"
 #include "tools/report/result_parts.h"
@@ -16,7 +17,7 @@
 namespace parloc::tools::slam {
 namespace {
 
-constexpr double kMiB = 1024.0 * 1024.0, kDegrees = 180.0 / std::numbers::pi;
+constexpr double kMiB = 1024.0 * 1024.0;
 
 std::string memory_text(const Mapping& m) {
   const SlamMemory& memory = m.memory;
@@ -276,7 +277,7 @@ std::string summary_text(const SlamResults& results) {
   Facts facts = main_facts(results);
   if (results.errors && results.errors->compared > 0)
     add_fact(facts, "error", "{:.3f} m and {:.2f} degrees RMSE after alignment, from {} poses",
-             results.errors->position_rmse_m, kDegrees * results.errors->heading_rmse_rad,
+             results.errors->position_rmse_m, kDegPerRad * results.errors->heading_rmse_rad,
              results.errors->compared);
   for (const std::string& line : warning_lines(results)) facts.push_back({"warning", line});
   return aligned_text(facts, 16);

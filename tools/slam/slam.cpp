@@ -68,10 +68,10 @@ Config slam_config(const SlamOptions& o, const Config& base) {
 
 constexpr const char* kMap = "map.yaml";
 constexpr const char* kImage = "map.pgm";
-constexpr const char* kTrajectory = "trajectory.tum";
-constexpr const char* kMetrics = "metrics.json";
-constexpr const char* kReport = "report.html";
-constexpr const char* kPicture = "picture.png";
+constexpr const char* kSlamTrajectory = "trajectory.tum";
+constexpr const char* kSlamMetrics = "metrics.json";
+constexpr const char* kSlamReport = "report.html";
+constexpr const char* kMapPicture = "picture.png";
 constexpr const char* kLivePicture = "live.png";  // while it works
 constexpr const char* kLivePage = "live.html";
 
@@ -104,17 +104,17 @@ std::string output_folder(const SlamOptions& o) {
 void write_results(OutputFolder& out, const slam::SlamResults& results) {
   const RunReport report = slam::report_of(results);
   write_map(out.staged(kMap), results.mapping.map);
-  write_tum(out.staged(kTrajectory), results.mapping.trajectory);
-  replace_file(out.staged(kMetrics), slam::metrics_json(results));
-  write_report(out.staged(kReport), report);
-  write_picture(out.staged(kPicture), report);
+  write_tum(out.staged(kSlamTrajectory), results.mapping.trajectory);
+  replace_file(out.staged(kSlamMetrics), slam::metrics_json(results));
+  write_report(out.staged(kSlamReport), report);
+  write_picture(out.staged(kMapPicture), report);
   const bool interrupted = results.mapping.interrupted;
   out.publish(interrupted ? std::vector<std::string>{kCheckpoint} : std::vector<std::string>{});
 }
 
 void watch(slam::MapRequest& request, std::optional<LivePicture>& live, const OutputFolder& out) {
   live.emplace(out.final_path(kLivePicture), out.final_path(kLivePage), "Map of " + request.log_name,
-               kReport);
+               kSlamReport);
   request.watch = [&live](const GridSlam& slam, std::size_t scans) {
     live->offer([&](const std::string& path) { slam::write_live(path, slam::growth_of(slam, scans)); });
   };
@@ -137,8 +137,8 @@ int run(const SlamOptions& given, const std::string& typed) {
   const std::vector<Relation> relations =
       o.relations.empty() ? std::vector<Relation>{} : read_relations(o.relations);
   const Trajectory truth = o.truth.empty() ? Trajectory{} : open_truth(o.truth, log_choice(request.config));
-  OutputFolder out(output_folder(o), {kMap, kImage, kTrajectory, kMetrics, kReport, kPicture, kLivePicture,
-                                      kLivePage, kCheckpoint});
+  OutputFolder out(output_folder(o), {kMap, kImage, kSlamTrajectory, kSlamMetrics, kSlamReport, kMapPicture,
+                                      kLivePicture, kLivePage, kCheckpoint});
   request.checkpoint = out.final_path(kCheckpoint);
   std::optional<LivePicture> live;  // to the end of the writing: its page then leads to the report
   if (o.live) watch(request, live, out);
@@ -177,7 +177,7 @@ int run(const SlamOptions& given, const std::string& typed) {
     std::fputs(slam::metrics_json(results).c_str(), stdout);
   } else if (!o.quiet) {
     fmt::print("{}{:<16}{} (beside it: {}, {}, {}, {})\n", slam::summary_text(results), "map",
-               out.final_path(kMap), kReport, kPicture, kTrajectory, kMetrics);
+               out.final_path(kMap), kSlamReport, kMapPicture, kSlamTrajectory, kSlamMetrics);
     if (results.mapping.interrupted)
       fmt::print("{:<16}parloc slam --resume {} --log {}\n", "to go on", request.checkpoint, o.log);
   }

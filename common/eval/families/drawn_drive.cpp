@@ -4,13 +4,13 @@
 #include <cmath>
 #include <initializer_list>
 
+#include "common/math/angle_units.h"
 #include "common/math/philox.h"
 #include "common/math/portable64.h"
 
 namespace parloc {
 namespace {
 
-constexpr double kRadPerDeg = kPi / 180.0;
 constexpr double kTicksPerSecond = 200.0;  // the simulator's stamps
 constexpr double kLongestStep_m = 1.5,
                  kLongestTurn_rad = 0.7;  // from scan to scan, where steps are no trouble

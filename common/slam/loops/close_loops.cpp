@@ -13,7 +13,7 @@ constexpr double kNear_m = 3.0;
 constexpr std::size_t kPiecesByScan = 3;
 constexpr std::size_t kMapsAtOnce = 16;  // of pieces
 constexpr std::size_t kLeastHits = 60;
-constexpr float kLeastFit = 0.55f;
+constexpr float kLeastScanFit = 0.55f;
 constexpr double kScan_m = 0.03, kScan_rad = 0.006;
 
 /// By piece: the scans that are to be matched to it, where loops are closed.
@@ -76,7 +76,7 @@ class Refinement {
     matcher_.draw(drawings);
     const std::vector<ScanMatch> matches = matcher_.match(queries);
     for (std::size_t q = 0; q < matches.size(); ++q) {
-      if (matches[q].fit < kLeastFit) continue;
+      if (matches[q].fit < kLeastScanFit) continue;
       const std::size_t from = pieces[some[queries[q].map]].middle;
       edges.push_back({from, scan[q], relative(matches[q].pose, path[from]),
                        diagonal3(kScan_m * kScan_m, kScan_m * kScan_m, kScan_rad * kScan_rad), true});

@@ -10,19 +10,19 @@ namespace {
 
 // A window is as large as one search can be; a wider reach is several, side by side.
 constexpr double kWide_m = 1.0, kWide_rad = 0.4, kNarrow_m = 0.5, kNarrow_rad = 0.2;
-constexpr double kMostCells = 20.0;  // of a window's reach
+constexpr double kMostWindowCells = 20.0;  // of a window's reach
 constexpr std::size_t kFewBeams = 200, kBeams = 600, kLeastBeams = 100;
 // Places are different ones if so far apart.
 constexpr double kApart_m = 0.5, kApart_rad = 0.15;
 constexpr std::size_t kMostPlaces = 3;
 constexpr float kWorthALook = 0.2f;  // less than the best may a place fit before it is looked at closely
-constexpr float kLeastFit = 0.55f;
+constexpr float kLeastPlaceFit = 0.55f;
 constexpr float kClearly = 0.08f;  // the best place must fit so much better than the next
 // A fit that is so much less could be as good but for chance: some beams more or less.
 constexpr double kByChance = 0.05;
 // The surface of the fit is looked at in steps of so much, so many to either side: what lets a scan slide
 // along a corridor shows within half a metre.
-constexpr double kStep_m = 0.1, kStep_rad = 0.02;
+constexpr double kLookStep_m = 0.1, kLookStep_rad = 0.02;
 constexpr int kSteps = 5, kTurns = 2;
 constexpr double kFloor_m = 0.03, kFloor_rad = 0.006;  // of the spread: what a match is worth at best
 
@@ -61,7 +61,7 @@ std::vector<Vector3> offsets_around() {
   for (int i = -kSteps; i <= kSteps; ++i)
     for (int j = -kSteps; j <= kSteps; ++j)
       for (int turn = -kTurns; turn <= kTurns; ++turn)
-        offsets.push_back({{kStep_m * i, kStep_m * j, kStep_rad * turn}});
+        offsets.push_back({{kLookStep_m * i, kLookStep_m * j, kLookStep_rad * turn}});
   return offsets;
 }
 
@@ -89,7 +89,7 @@ PieceMatcher::PieceMatcher(const std::vector<BeamTable>& scans, const ScanChain&
                            const std::vector<Piece>& pieces, ScanMatcher& matcher)
     : scans_(scans), chain_(chain), pieces_(pieces), matcher_(matcher) {
   const double resolution_m = matcher.rules().resolution_m;
-  wide_m_ = std::min(kWide_m, kMostCells * resolution_m);
+  wide_m_ = std::min(kWide_m, kMostWindowCells * resolution_m);
   wide_ = bind_search_rules(resolution_m, wide_m_, kWide_rad, 0.0);
   narrow_ = bind_search_rules(resolution_m, std::min(kNarrow_m, wide_m_), kNarrow_rad, 0.0);
 }
@@ -176,7 +176,7 @@ void PieceMatcher::add_edges(const std::vector<Window>& windows, std::size_t b, 
   std::vector<ScanQuery> queries;
   for (std::size_t m = 0; m < found.size(); ++m) {
     const std::vector<ScanMatch>& places = found[m].places;
-    if (places.empty() || places[0].fit < kLeastFit ||
+    if (places.empty() || places[0].fit < kLeastPlaceFit ||
         std::any_of(places.begin(), places.end(), [&](const ScanMatch& p) { return rivals(places[0], p); }))
       continue;
     const Pose& at = places[0].pose;

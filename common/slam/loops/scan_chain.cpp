@@ -5,13 +5,15 @@
 namespace parloc {
 namespace {
 
-// The local map is begun anew from the last `kKept` scans when it has `kMost`, as in ScanOdometry.
-constexpr std::size_t kMost = 60, kKept = 30;
-constexpr float kGoodFit = 0.6f;  // of the climbs from where particle and odometry say: no search is needed
+// The local map is begun anew from the last `kKeptScans` scans when it has `kMostScans`, as in ScanOdometry.
+constexpr std::size_t kMostScans = 60, kKeptScans = 30;
+constexpr float kGoodChainFit =
+    0.6f;  // of the climbs from where particle and odometry say: no search is needed
 constexpr double kStartsApart_m = 0.05;  // a cell: climbs from there may end elsewhere
-constexpr float kLeastFit = 0.35f;       // below it the scan does not fit, and the particle's step is kept
-constexpr double kReach_m = 0.4, kReach_rad = 0.3, kBias = 0.05;  // of the search where no climb fits well
-constexpr double kMostCells = 20.0;                               // of its reach
+constexpr float kLeastChainFit = 0.35f;  // below it the scan does not fit, and the particle's step is kept
+constexpr double kChainReach_m = 0.4, kChainReach_rad = 0.3,
+                 kChainBias = 0.05;  // of the search where no climb fits well
+constexpr double kMostCells = 20.0;  // of its reach
 // The wider the window, the more poses fit by chance: so well, and so much better, must a searched one fit.
 constexpr float kLeastSearchFit = 0.5f, kSearchGain = 0.15f;
 
@@ -28,8 +30,8 @@ class Chainer {
  public:
   Chainer(const std::vector<BeamTable>& scans, ScanMatcher& matcher)
       : search_(bind_search_rules(matcher.rules().resolution_m,
-                                  std::min(kReach_m, kMostCells * matcher.rules().resolution_m), kReach_rad,
-                                  kBias)),
+                                  std::min(kChainReach_m, kMostCells * matcher.rules().resolution_m),
+                                  kChainReach_rad, kChainBias)),
         scans_(scans),
         matcher_(matcher) {
     matcher_.clear();
@@ -37,18 +39,18 @@ class Chainer {
 
   ScanMatch match(std::size_t k, const Pose& by_particle, const Pose& by_odometry) {
     ScanMatch found = match_from(k, by_particle, {});
-    if (found.fit < kGoodFit || distance_m(by_particle, by_odometry) > kStartsApart_m) {
+    if (found.fit < kGoodChainFit || distance_m(by_particle, by_odometry) > kStartsApart_m) {
       const ScanMatch other = match_from(k, by_odometry, {});
       if (other.fit > found.fit) found = other;
     }
-    if (found.fit >= kGoodFit) return found;
+    if (found.fit >= kGoodChainFit) return found;
     const ScanMatch searched = match_from(k, by_particle, search_);
     return searched.fit > std::max(kLeastSearchFit, found.fit + kSearchGain) ? searched : found;
   }
   /// After scan k, whose pose is known now.
   void draw(const std::vector<Pose>& pose, std::size_t k) {
-    const bool anew = k - first_ >= kMost;
-    if (anew) first_ = k - kKept, matcher_.clear();
+    const bool anew = k - first_ >= kMostScans;
+    if (anew) first_ = k - kKeptScans, matcher_.clear();
     std::vector<ScanDrawing> drawings;
     for (std::size_t i = anew ? first_ : k; i <= k; ++i) drawings.push_back({0, &scans_[i], pose[i]});
     matcher_.draw(drawings);
@@ -80,7 +82,7 @@ ScanChain chain_scans(const ScannedPath& scanned, ScanMatcher& matcher,
       const Pose by_particle = compose(last, relative(path[k], path[k - 1]));
       const Pose by_odometry = compose(last, relative(odometry[k], odometry[k - 1]));
       const ScanMatch found = chainer.match(k, by_particle, by_odometry);
-      chain.pose.push_back(found.fit > kLeastFit ? found.pose : by_particle);
+      chain.pose.push_back(found.fit > kLeastChainFit ? found.pose : by_particle);
       chain.fit[k] = found.fit;
       chain.travelled_m[k] = chain.travelled_m[k - 1] + distance_m(last, chain.pose[k]);
     }

@@ -10,6 +10,7 @@
 #include "common/error.h"
 #include "common/filter/start.h"
 #include "common/map/map_reader.h"
+#include "common/math/angle_units.h"
 #include "common/math/philox.h"
 #include "common/math/portable64.h"
 #include "common/simulator/simulator.h"
@@ -20,7 +21,6 @@ namespace {
 
 constexpr std::uint64_t kSeed = 1;
 constexpr double kRangeSigma_m = 0.02;
-constexpr double kRadiansPerDegree = kPi / 180.0;
 
 /// 40 x 30 m without a wall. From the central 20 x 10 m the edges are at least 10 m away.
 Scene no_hit() {
@@ -94,8 +94,8 @@ Scene make_scene(const std::string& name, const std::string& maps_folder) {
 
 Scan make_scan(const Scene& scene, int beams) {
   Scan scan;
-  scan.angle_min_rad = -0.5 * kFieldOfView_deg * kRadiansPerDegree;
-  scan.angle_step_rad = kFieldOfView_deg * kRadiansPerDegree / (beams - 1);
+  scan.angle_min_rad = -0.5 * kFieldOfView_deg * kRadPerDeg;
+  scan.angle_step_rad = kFieldOfView_deg * kRadPerDeg / (beams - 1);
   scan.range_min_m = 0.05;
   scan.range_max_m = kRangeMax_m;
   for (int k = 0; k < beams; ++k) {
