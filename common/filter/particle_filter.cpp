@@ -185,6 +185,10 @@ void ParticleFilter::propose(const PoseGuess& guess, double share, const SlipPri
   s.backend->upload(std::move(set));
 }
 
+void ParticleFilter::weigh_next() {
+  for (LidarState& lidar : state().lidars) lidar.odometry.reset();
+}
+
 bool ParticleFilter::counts(const Pose& odometry, const Scan& scan) const {
   const State& s = state();
   for (std::size_t k = 0; k < s.lidars.size(); ++k)

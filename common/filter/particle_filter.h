@@ -34,6 +34,8 @@ class ParticleFilter final : public PoseFilter {
   void propose(const PoseGuess& guess, double share, const SlipPrior& slip);
   /// Whether a scan of that LiDAR would be weighed in a step with this odometry (update_min_d).
   bool counts(const Pose& odometry, const Scan& scan) const;
+  /// The next scan of each LiDAR is weighed though the robot has moved too little (update_min_d).
+  void weigh_next();
   /// First call: no motion. Weighs the scan, unless the robot has moved too little.
   Estimate step(const Pose& odometry, const Scan& scan) override;
 

@@ -52,6 +52,8 @@ class LogReader {
   /// Fills `record` with the next one; false at the end. Broken lines are skipped and counted; never throws
   /// for them.
   virtual bool next(LogRecord& record) = 0;
+  /// Of a log that is still being made: next() gave none, but more may come.
+  virtual bool waits() const { return false; }
   virtual const LogWarnings& warnings() const = 0;
   /// Fraction of the file read so far, 0 to 1 (compressed bytes for gzip).
   virtual double progress() const = 0;

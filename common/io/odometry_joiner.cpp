@@ -11,7 +11,7 @@ namespace parloc {
 namespace {
 // A scan arrives when its last beam has been taken, and through a slow network: so long it is waited for.
 constexpr double kLatestScan_s = 5.0;
-constexpr std::size_t kMostReadings = 20000, kMostScans = 1000;
+constexpr std::size_t kMostReadings = 20000, kMostScans = 1000, kMostScansLive = 50;
 constexpr std::size_t kClockWasSet = 10;
 }  // namespace
 
@@ -35,7 +35,7 @@ void OdometryJoiner::add_odometry(double stamp_s, const Pose& odometry, std::siz
 
 void OdometryJoiner::add_scan(LogRecord scan) {
   scan_times_.add(scan.stamp_s);
-  if (scans_.size() >= kMostScans) {
+  if (scans_.size() >= (live_ ? kMostScansLive : kMostScans)) {
     ++after_;
     scans_.pop_front();
   }
@@ -112,7 +112,7 @@ bool OdometryJoiner::next(LogRecord& record) {
     if (scans_.empty()) {
       const bool full = readings_.size() > kMostReadings;
       const double newest_s = readings_.empty() ? 0.0 : readings_.back().stamp_s;
-      if (finished_ || full) return give_reading(newest_s + 1.0, record);
+      if (finished_ || full || live_) return give_reading(newest_s + 1.0, record);
       return !readings_.empty() && give_reading(newest_s - kLatestScan_s, record);
     }
     const LogRecord& scan = scans_.front();

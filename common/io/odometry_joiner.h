@@ -18,6 +18,10 @@ namespace parloc {
 /// time. Deterministic on every machine. Memory: some seconds of readings, at most 20,000, and 1,000 scans.
 class OdometryJoiner {
  public:
+  /// `live`: readings come out as soon as they are in, unless a scan of before waits; without, some seconds
+  /// later, so that a scan that is slow to arrive still comes out before them. And fewer scans are kept.
+  explicit OdometryJoiner(bool live = false) : live_(live) {}
+
   void add_odometry(double stamp_s, const Pose& odometry, std::size_t line);
   void add_scan(LogRecord scan);
   /// No more comes.
@@ -29,6 +33,7 @@ class OdometryJoiner {
   std::size_t scans_after() const { return after_; }    ///< Left out: younger than the last reading.
   /// One line for the scans before, one for those after, if there are any.
   std::vector<std::string> left_out(const std::string& log_name) const;
+  std::size_t waiting() const { return scans_.size(); }
   std::size_t remembered() const { return readings_.size(); }  ///< Readings.
   /// Why no scan came out though scans and the end went in: one line with both times.
   std::string why_none() const;
@@ -44,6 +49,7 @@ class OdometryJoiner {
   void forget();
   bool join(LogRecord& scan);
 
+  bool live_;
   std::deque<Reading> readings_;  ///< In the order of their stamps.
   std::size_t given_ = 0;         ///< The first so many of them have come out, or lie before a scan that has.
   std::deque<LogRecord> scans_;

@@ -11,15 +11,31 @@ namespace parloc {
 bool ScanStream::next(LogRecord& scan) {
   while (waiting_.empty())
     if (!read_record()) return false;
+  if (!read_up_to_last_beam()) return false;
+  looked_ = 0;
   scan = std::move(waiting_.front());
   waiting_.pop_front();
-  const LidarSetup setup = lidar_setup(scan.scan, scan_, find_lidar(lidars_, scan.scan.sensor));
-  const double until_s = scan.stamp_s + latest_beam_s(scan.scan, setup);
+  return true;
+}
+
+// Of the scan that waits first; false: more may come.
+bool ScanStream::read_up_to_last_beam() {
+  const double stamp_s = waiting_.front().stamp_s, until_s = stamp_s + latest_beam_s();
   // Stamps may run backwards: not for ever.
   constexpr int farthest = 1000;
-  for (int k = 0; k < farthest && until_s > scan.stamp_s && newest_s_ < until_s; ++k)
-    if (!read_record()) break;
+  for (; looked_ < farthest && until_s > stamp_s && newest_s_ < until_s; ++looked_)
+    if (!read_record()) return !log_.waits();
   return true;
+}
+
+double ScanStream::latest_beam_s() {
+  try {
+    const Scan& scan = waiting_.front().scan;
+    return parloc::latest_beam_s(scan, lidar_setup(scan, scan_, find_lidar(lidars_, scan.sensor)));
+  } catch (const Error&) {
+    waiting_.pop_front();  // whoever goes on shall not find it again
+    throw;
+  }
 }
 
 bool ScanStream::read_record() {

@@ -26,7 +26,8 @@ class ScanStream {
              std::function<void(std::size_t line)> check)
       : log_(log), scan_(scan), lidars_(lidars), check_(std::move(check)) {}
 
-  /// False at the end of the log.
+  /// Throws Error{input} for a scan whose arrays do not fit together, which is left out if it is called again.
+  /// False at the end of the log, and where one that waits has no more for now.
   bool next(LogRecord& scan);
 
   /// take(StampedPose) for the odometry that was read since the last call.
@@ -38,6 +39,8 @@ class ScanStream {
 
  private:
   bool read_record();
+  bool read_up_to_last_beam();
+  double latest_beam_s();
 
   LogReader& log_;
   const ScanConfig& scan_;
@@ -45,6 +48,7 @@ class ScanStream {
   std::function<void(std::size_t)> check_;
   std::deque<LogRecord> waiting_;
   Trajectory odometry_;
+  int looked_ = 0;  ///< Records, for what the first scan that waits still needs.
   double newest_s_ = -std::numeric_limits<double>::infinity();
 };
 

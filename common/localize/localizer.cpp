@@ -144,6 +144,10 @@ void Localizer::add_odometry(double stamp_s, const Pose& odometry) {
   state_->filter.add_odometry(stamp_s, odometry);
 }
 
+void Localizer::weigh_next() {
+  state_->filter.weigh_next();
+}
+
 LocalizerEstimate Localizer::step(const Pose& recorded, const Scan& scan) {
   State& s = *state_;
   LocalizerEstimate out;

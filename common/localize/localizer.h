@@ -42,6 +42,7 @@ class Localizer {
   void set_seed(std::uint64_t seed);  ///< From the next start on.
 
   void add_odometry(double stamp_s, const Pose& odometry);  ///< As ParticleFilter.
+  void weigh_next();                                        ///< As ParticleFilter.
   LocalizerEstimate step(const Pose& odometry, const Scan& scan);
 
   const ParticleFilter& filter() const;

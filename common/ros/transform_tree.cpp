@@ -73,6 +73,11 @@ void TransformTree::add(const TransformMessage& transform, bool is_static) {
     known.pop_front();
 }
 
+void TransformTree::forget_moving() {
+  std::erase_if(frames_, [](const auto& frame) { return !frame.second.fixed; });
+  for (auto& [name, frame] : frames_) frame.moving.clear();
+}
+
 RigidTransform TransformTree::at(const Frame& frame, double stamp_s) const {
   if (frame.moving.empty()) return frame.fixed.value_or(RigidTransform{});
   const auto later = [](double stamp, const Stamped& s) { return stamp < s.stamp_s; };

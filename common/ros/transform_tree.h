@@ -19,6 +19,8 @@ class TransformTree {
   /// Parents that are empty, frames that are their own parent, and transforms that are not rigid are left out
   /// and counted.
   void add(const TransformMessage& transform, bool is_static);
+  /// Forgets where frames were that move: the clock was set.
+  void forget_moving();
 
   /// T_target_source at that time: between two transforms of a frame that moves, else the nearest. Nothing if
   /// the frames are not connected.

@@ -1,0 +1,82 @@
+// A localizer that is fed with a robot's messages, as they come.
+#pragma once
+
+#include <memory>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "common/config/config.h"
+#include "common/inputs/topic_choice.h"
+#include "common/localize/localizer.h"
+#include "common/map/grid_map.h"
+
+namespace parloc {
+
+/// What is said to one scan.
+struct LiveAnswer {
+  double stamp_s = 0.0;  ///< The scan's.
+  std::string lidar;     ///< Its topic without the slash.
+  Pose odometry;         ///< T_odom_base at that time, as the robot said it.
+  LocalizerEstimate estimate;
+  Pose T_map_odom;   ///< What takes the robot's own odometry to the map: pose * odometry^-1.
+  std::string why_skipped;  ///< Why the scan changed nothing; empty if it did.
+};
+
+/// A localizer that is ready to be put in: making it of a large map takes a while, and can be done beside.
+struct PreparedLocalizer {
+  Config config;
+  Localizer localizer;
+};
+
+/// Where a robot is, as far as is known. Without a pose it may be anywhere.
+struct LiveStart {
+  std::optional<Pose> pose_in_map{};
+  double sigma_x_m = 0.0, sigma_y_m = 0.0, sigma_theta_rad = 0.0;
+};
+
+/// Messages go in, answers come out: the same as `parloc run` gives to a bag of the same messages. Memory is
+/// bounded, and nothing that a message can hold throws: what cannot be used is left out and told by
+/// troubles(). Not thread-safe, but prepare().
+class LiveLocalizer {
+ public:
+  /// `config.log` says which frames are the odometry's and the robot's. Without `odometry_topic` the odometry
+  /// is a transform. There is no map yet: scans are let pass.
+  explicit LiveLocalizer(const Config& config, bool odometry_topic = false);
+  ~LiveLocalizer();
+  LiveLocalizer(LiveLocalizer&&) noexcept;
+  LiveLocalizer& operator=(LiveLocalizer&&) noexcept;
+
+  /// Everything that depends on map and settings; may run in another thread. Throws as Localizer.
+  static PreparedLocalizer prepare(const Config& config, const GridMap& map);
+  /// The next scan is answered by this one. The robot is where the one before had it, or where start() says.
+  /// Frames and topics stay those of the constructor.
+  void put(PreparedLocalizer prepared);
+  /// Where the robot is now: the next scan is taken there. Throws Error{input} for a pose that is not on the
+  /// map; then nothing has changed. Without a map it is remembered.
+  void start(const LiveStart& start);
+  bool has_map() const;
+  bool started() const;
+
+  /// A message in CDR, as ROS 2 sends it.
+  void take(TopicRole role, const std::string& topic, std::string_view bytes);
+  /// The answer to the next scan that can be given one; nothing: more has to be taken first.
+  std::optional<LiveAnswer> next();
+  /// The next scan of each LiDAR is weighed though the robot stands (update_min_d).
+  void weigh_next();
+  /// The robot's clock was set: what was taken is forgotten, the estimate stays where it is.
+  void forget();
+
+  /// Throws Error{usage} without a map.
+  const Localizer& localizer() const;
+  std::size_t waiting() const;  ///< Scans without an answer yet.
+  /// Each once, as it is seen: "robot: /scan: expected at least one range, found 0".
+  std::vector<std::string> troubles();
+
+ private:
+  struct State;
+  std::unique_ptr<State> state_;
+};
+
+}  // namespace parloc
