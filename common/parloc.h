@@ -10,6 +10,7 @@
 #include "common/inputs/open_log.h"
 #include "common/io/log.h"
 #include "common/io/trajectory.h"
+#include "common/live/live_localizer.h"
 #include "common/localize/localizer.h"
 #include "common/map/grid_map.h"
 #include "common/map/map_reader.h"

@@ -7,12 +7,10 @@
 #include <vector>
 
 #include "common/bag/bag.h"
+#include "common/inputs/topic_role.h"
 #include "common/io/log_choice.h"
 
 namespace parloc {
-
-/// What a topic of a bag is to a log.
-enum class TopicRole { none, scan, multi_echo_scan, cloud, odometry, transforms, fixed_transforms };
 
 /// A topic that is looked for among those of some types.
 struct TopicWish {

@@ -24,16 +24,17 @@ struct LiveLocalizer::State {
 
   void forget() { scans.emplace(log, config.scan, config.lidars, [](std::size_t) {}); }
   LiveAnswer answer(const LogRecord& record);
-  void go_on_from_last();
+  void start(const LiveStart& from);
+  void go_on();
   void tell(const std::string& line);
 
   Config config;
   std::optional<Localizer> localizer;
   LiveLog log;
   std::optional<ScanStream> scans;
-  std::optional<LiveStart> wanted;  ///< Where to start as soon as there is a map.
+  std::optional<LiveStart> wanted;  ///< What was said last, as long as no scan has been answered since.
+  std::optional<Estimate> last;     ///< Since then.
   bool started = false;
-  std::optional<Estimate> last;
   std::size_t troubles = 0;     ///< Of the log, that were looked at.
   std::set<std::string> known;  ///< Lines that were told, without their numbers.
   std::vector<std::string> told;
@@ -50,14 +51,37 @@ LiveAnswer LiveLocalizer::State::answer(const LogRecord& record) {
   out.T_map_odom = compose(out.estimate.filter.pose, inverse(record.odometry));
   out.why_skipped = localizer->filter().why_skipped();
   last = out.estimate.filter;
+  wanted.reset();
   return out;
 }
 
-void LiveLocalizer::State::go_on_from_last() {
-  const double* variance = last->covariance.v;
-  const double sigma_m = std::max(std::sqrt(std::max(variance[0], variance[4])), kLeastSigma_m);
-  localizer->start_at(last->pose, sigma_m, sigma_m, std::max(std::sqrt(variance[8]), kLeastSigma_rad));
+void LiveLocalizer::State::start(const LiveStart& from) {
+  if (!localizer) {
+    wanted = from;
+    return;
+  }
+  if (from.pose_in_map)
+    localizer->start_at(*from.pose_in_map, from.sigma_x_m, from.sigma_y_m, from.sigma_theta_rad);
+  else
+    localizer->start_anywhere();
+  wanted = from;
+  last.reset();
   started = true;
+}
+
+/// From where the last answer, or whoever spoke since, had the robot.
+void LiveLocalizer::State::go_on() {
+  started = false;
+  try {
+    if (wanted) return start(*wanted);
+    if (!last) return;
+    const double* variance = last->covariance.v;
+    const double sigma_m = std::max(std::sqrt(std::max(variance[0], variance[4])), kLeastSigma_m);
+    start({last->pose, sigma_m, sigma_m, std::max(std::sqrt(variance[8]), kLeastSigma_rad)});
+  } catch (const Error& error) {  // it is not on this map
+    tell(error.what());
+    start({});
+  }
 }
 
 /// Once, whatever numbers are in it: of a hundred bad messages the first is told.
@@ -79,31 +103,13 @@ PreparedLocalizer LiveLocalizer::prepare(const Config& config, const GridMap& ma
 }
 
 void LiveLocalizer::put(PreparedLocalizer prepared) {
-  State& s = *state_;
-  s.config = std::move(prepared.config);
-  s.localizer.emplace(std::move(prepared.localizer));
-  s.started = false;
-  try {
-    if (s.last) return s.go_on_from_last();
-    if (s.wanted) start(*std::exchange(s.wanted, {}));
-  } catch (const Error& error) {  // it is not on this map
-    s.tell(error.what());
-    s.localizer->start_anywhere();
-    s.started = true;
-  }
+  state_->config = std::move(prepared.config);
+  state_->localizer.emplace(std::move(prepared.localizer));
+  state_->go_on();
 }
 
-void LiveLocalizer::start(const LiveStart& from) {
-  State& s = *state_;
-  if (!s.localizer) {
-    s.wanted = from;
-    return;
-  }
-  if (from.pose_in_map)
-    s.localizer->start_at(*from.pose_in_map, from.sigma_x_m, from.sigma_y_m, from.sigma_theta_rad);
-  else
-    s.localizer->start_anywhere();
-  s.started = true;
+void LiveLocalizer::start(const LiveStart& start) {
+  state_->start(start);
 }
 
 bool LiveLocalizer::has_map() const {
@@ -139,7 +145,7 @@ void LiveLocalizer::forget() {
   State& s = *state_;
   s.log.forget();
   s.forget();
-  if (s.started && s.last) s.go_on_from_last();
+  if (s.localizer) s.go_on();
 }
 
 const Localizer& LiveLocalizer::localizer() const {

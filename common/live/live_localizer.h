@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "common/config/config.h"
-#include "common/inputs/topic_choice.h"
+#include "common/inputs/topic_role.h"
 #include "common/localize/localizer.h"
 #include "common/map/grid_map.h"
 

@@ -1,5 +1,6 @@
 """A robot for tests: true ROS 2 processes that play a bag, and listen to what a localization node says of it."""
 
+import math
 import os
 import signal
 import subprocess
@@ -14,8 +15,10 @@ from lifecycle_msgs.msg import Transition
 from lifecycle_msgs.srv import ChangeState, GetState
 from mcap.reader import make_reader
 from nav_msgs.msg import OccupancyGrid, Odometry
+from rcl_interfaces.srv import SetParameters
 from rclpy.executors import SingleThreadedExecutor
 from rclpy.node import Node
+from rclpy.parameter import Parameter
 from rclpy.qos import QoSDurabilityPolicy, QoSProfile, QoSReliabilityPolicy
 from sensor_msgs.msg import LaserScan
 from tf2_msgs.msg import TFMessage
@@ -46,7 +49,7 @@ class AmclProcess:
     """The node `amcl` in a process of its own."""
 
     def __init__(self, params_file, log_path):
-        self._log = open(log_path, "w")
+        self._log = Path(log_path).open("w")  # noqa: SIM115
         code = "from parloc_ros.amcl import main; main()"
         command = [sys.executable, "-B", "-c", code, "--ros-args", "--params-file", str(params_file)]
         self.process = subprocess.Popen(command, stdout=self._log, stderr=subprocess.STDOUT)
@@ -69,11 +72,12 @@ class AmclProcess:
 class World(Node):
     """Plays messages, keeps what the node answers, and turns its lifecycle. Spins in a thread of its own."""
 
-    def __init__(self, name="world"):
-        super().__init__(name)
+    def __init__(self, hears_transforms=True):
+        super().__init__("world")
         self.poses, self.transforms, self.arrived_s = [], [], {}
         self.create_subscription(PoseWithCovarianceStamped, "amcl_pose", self._take_pose, RELIABLE)
-        self.create_subscription(TFMessage, "/tf", self._take_transform, RELIABLE)
+        if hears_transforms:
+            self.create_subscription(TFMessage, "/tf", self._take_transform, RELIABLE)
         self._players = {}
         self._map = self.create_publisher(OccupancyGrid, "map", LATCHED)
         self._initial = self.create_publisher(PoseWithCovarianceStamped, "initialpose", RELIABLE)
@@ -92,26 +96,45 @@ class World(Node):
 
     def call(self, kind, name, request, timeout_s=20.0):
         client = self.create_client(kind, name)
-        if not client.wait_for_service(timeout_s):
-            raise TimeoutError(f"no service {name}")
-        future = client.call_async(request)
-        end_s = time.monotonic() + timeout_s
-        while not future.done() and time.monotonic() < end_s:
-            time.sleep(0.01)
-        self.destroy_client(client)
-        if not future.done():
-            raise TimeoutError(f"no answer of {name}")
-        return future.result()
+        try:
+            if not client.wait_for_service(timeout_s):
+                raise TimeoutError(f"no service {name}")
+            future = client.call_async(request)
+            if not self.wait_for(future.done, timeout_s):
+                raise TimeoutError(f"no answer of {name}")
+            return future.result()
+        finally:
+            self.destroy_client(client)
 
     def turn(self, transition):
         request = ChangeState.Request(transition=Transition(id=transition))
         return self.call(ChangeState, "/amcl/change_state", request).success
 
     def bring_up(self):
+        for _ in range(20):  # a node that was killed is still known for a while, and does not answer
+            try:
+                if self.call(GetState, "/amcl/get_state", GetState.Request(), 2.0).current_state.label:
+                    break
+            except TimeoutError:
+                continue
         return self.turn(Transition.TRANSITION_CONFIGURE) and self.turn(Transition.TRANSITION_ACTIVATE)
 
     def state(self):
         return self.call(GetState, "/amcl/get_state", GetState.Request()).current_state.label
+
+    def set_parameter(self, name, value):
+        request = SetParameters.Request(parameters=[Parameter(name, value=value).to_parameter_msg()])
+        return self.call(SetParameters, "/amcl/set_parameters", request).results[0]
+
+    def send_pose(self, x_m, y_m, theta_rad):
+        message = PoseWithCovarianceStamped()
+        message.header.frame_id = "map"
+        message.pose.pose.position.x, message.pose.pose.position.y = x_m, y_m
+        message.pose.pose.orientation.z = math.sin(theta_rad / 2.0)
+        message.pose.pose.orientation.w = math.cos(theta_rad / 2.0)
+        for k, variance in ((0, 0.04), (7, 0.04), (35, 0.01)):
+            message.pose.covariance[k] = variance
+        self._initial.publish(message)
 
     def show_map(self, data):
         self._map.publish(data)
@@ -134,7 +157,7 @@ class World(Node):
             time.sleep(0.05)
 
     def play(self, messages, speed):
-        """Returns when each scan was sent, by stamp: {stamp_s: monotonic}."""
+        """Returns when each message was sent, by topic and stamp: {(topic, stamp_s): monotonic}."""
         sent_s, begun_s, first_s = {}, time.monotonic(), messages[0][0]
         for stamp_s, topic, kind, data in messages:
             if kind not in KINDS:
@@ -143,8 +166,7 @@ class World(Node):
             if wait_s > 0.0:
                 time.sleep(wait_s)
             self.player(topic, kind).publish(data)
-            if kind == "sensor_msgs/msg/LaserScan":
-                sent_s[round(stamp_s, 6)] = time.monotonic()
+            sent_s[topic, round(stamp_s, 6)] = time.monotonic()
         return sent_s
 
     def wait_for(self, condition, timeout_s=20.0):
@@ -152,6 +174,10 @@ class World(Node):
         while not condition() and time.monotonic() < end_s:
             time.sleep(0.02)
         return condition()
+
+    def place_at(self, stamp_s):
+        """The position that was said for that scan last."""
+        return [pose for stamp, pose in self.poses if abs(stamp - stamp_s) < 1e-6][-1].position
 
     def close(self):
         self._executor.shutdown()

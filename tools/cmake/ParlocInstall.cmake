@@ -20,9 +20,11 @@ set(PARLOC_PUBLIC_HEADERS
   inputs/open_log.h
   inputs/open_map.h
   inputs/open_truth.h
+  inputs/topic_role.h
   io/log.h
   io/log_choice.h
   io/trajectory.h
+  live/live_localizer.h
   localize/health.h
   localize/localizer.h
   localize/localizer_config.h

@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "common/error.h"
+#include "common/inputs/map_message.h"
 #include "common/model/lidar.h"
 
 namespace parloc::tools {
@@ -21,33 +22,6 @@ constexpr double kPathEvery_s = 5.0;          // of the log, ...
 constexpr double kPathShare = 0.02;           // ... and of the time so far: the file grows with the log
 constexpr std::size_t kMostPathPoses = 1000;  // even
 constexpr std::size_t kMostCells = std::size_t{32} << 20;  // 32 MiB: readers have limits
-
-/// Of `factor` x `factor` cells one: occupied if one of them is, else free if one is.
-OccupancyGridMessage occupancy_grid(const GridMap& map, double stamp_s) {
-  std::int32_t factor = 1;
-  const auto fewer = [&](std::int32_t cells) { return (cells + factor - 1) / factor; };
-  const auto size = [&] {
-    return static_cast<std::size_t>(fewer(map.width)) * static_cast<std::size_t>(fewer(map.height));
-  };
-  while (size() > kMostCells) ++factor;
-  OccupancyGridMessage grid;
-  grid.header = {stamp_s, kMap};
-  grid.resolution_m = map.resolution_m * factor;
-  grid.width = static_cast<std::uint32_t>(fewer(map.width));
-  grid.height = static_cast<std::uint32_t>(fewer(map.height));
-  grid.origin = spatial(map.T_map_grid);
-  grid.cells.assign(size(), std::int8_t{-1});
-  for (std::int32_t j = 0; j < map.height; ++j) {
-    for (std::int32_t i = 0; i < map.width; ++i) {
-      const Cell cell = map.cells[map.index(i, j)];
-      if (cell == Cell::unknown) continue;
-      std::int8_t& coarse = grid.cells[static_cast<std::size_t>(j / factor) * grid.width +
-                                       static_cast<std::size_t>(i / factor)];
-      coarse = std::max(coarse, static_cast<std::int8_t>(cell == Cell::occupied ? 100 : 0));
-    }
-  }
-  return grid;
-}
 
 /// Beams with angles of their own, on an even grid as fine as the closest two of them: what falls together is
 /// the nearest, what is between is not measured.
@@ -134,7 +108,7 @@ void McapRecord::finish() {
 void McapRecord::begin(double stamp_s) {
   first_s_ = stamp_s;
   log_.write("/map", "nav_msgs/msg/OccupancyGrid", stamp_s,
-             write_occupancy_grid(occupancy_grid(map_, stamp_s)), true);
+             write_occupancy_grid(message_of_map(map_, {stamp_s, kMap}, kMostCells)), true);
   if (truth_.empty()) return;
   EvenSample<StampedPose> thinned(2 * kMostPathPoses);
   for (const StampedPose& row : truth_) thinned.offer([&] { return row; });

@@ -1,6 +1,7 @@
 // A localizer that is fed with a robot's messages: bytes in, bytes out.
 #include "common/live/live_localizer.h"
 
+#include <nanobind/stl/array.h>
 #include <nanobind/stl/optional.h>
 #include <nanobind/stl/pair.h>
 #include <nanobind/stl/string.h>
@@ -16,7 +17,7 @@
 #include "common/config/nav2_config.h"
 #include "common/config/nav2_parameters.h"
 #include "common/error.h"
-#include "common/inputs/bag_map.h"
+#include "common/inputs/map_message.h"
 #include "common/live/answer_messages.h"
 #include "common/ros/messages.h"
 #include "tools/python/bindings/arguments.h"
@@ -32,7 +33,7 @@ std::string_view view(const nb::bytes& data) {
   return {data.c_str(), data.size()};
 }
 nb::bytes bytes(const MessageWriter& message) {
-  return {message.bytes().data(), message.bytes().size()};
+  return nb::bytes(message.bytes().data(), message.bytes().size());
 }
 
 TopicRole role_of(const std::string& name) {
@@ -182,6 +183,12 @@ void bind_live(nb::module_& m) {
         "The stamp of a message in CDR that begins with a header [s]; None if it does not.");
   m.def("map_from_message", &map_of_message, "message"_a, "name"_a,
         "A nav_msgs/OccupancyGrid in CDR as a map. Raises InputError.");
+  m.def(
+      "map_message",
+      [](const GridMap& map, double stamp_s, const std::string& frame) {
+        return bytes(write_occupancy_grid(message_of_map(map, {stamp_s, frame})));
+      },
+      "map"_a, "stamp_s"_a = 0.0, "frame"_a = "map", "The map as nav_msgs/OccupancyGrid in CDR.");
   m.def("nav2_parameters", &all_nav2_parameters,
         "The parameters of nav2's amcl: name, nav2's default as text, and what each is here.");
 }

@@ -8,4 +8,6 @@ NB_MODULE(_parloc, m) {
   bind_errors(m);
   bind_pose(m);
   bind_map(m);
+  bind_settings(m);
+  bind_live(m);
 }

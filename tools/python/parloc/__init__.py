@@ -10,7 +10,20 @@ import os as _os
 if "OMP_WAIT_POLICY" not in _os.environ:
     _os.environ.setdefault("GOMP_SPINCOUNT", "3000")
 
-from ._parloc import GridMap, Pose, __version__, read_map  # noqa: E402
+from ._parloc import (  # noqa: E402
+    GridMap,
+    LiveAnswer,
+    LiveLocalizer,
+    Pose,
+    PreparedLocalizer,
+    Settings,
+    __version__,
+    map_from_message,
+    map_message,
+    nav2_parameters,
+    read_map,
+    stamp_of_message,
+)
 from .errors import BackendError, ConfigError, Error, InputError, OutputError, UsageError  # noqa: E402
 
 __all__ = [

@@ -173,6 +173,8 @@ class Amcl(LifecycleNode):
             ready, self._ready = self._ready, None
         if ready is not None:
             self._robot.put(ready)
+            grid = self._map
+            self.get_logger().info(f"on a map of {grid.width} x {grid.height} cells of {grid.resolution_m:g} m")
             self._start_if_new()
         answers = self._robot.take(role, topic, data)
         for trouble in self._robot.troubles():
