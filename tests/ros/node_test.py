@@ -22,7 +22,7 @@ except ImportError as error:
 import parloc
 from std_srvs.srv import Empty
 
-ROOT, PROGRAM = robot.ROOT, sys.argv.pop()
+ROOT, PROGRAM = robot.ROOT, sys.argv[-1]
 NAME = "malaga_corridor"
 MAP = ROOT / "maps" / f"{NAME}.yaml"
 
@@ -259,4 +259,4 @@ class Goes(NodeCase):
 
 if __name__ == "__main__":
     robot.begin()
-    unittest.main(verbosity=2)
+    unittest.main(argv=sys.argv[:-1], verbosity=2)
