@@ -11,6 +11,7 @@
 #include "common/io/log.h"
 #include "common/io/trajectory.h"
 #include "common/live/live_localizer.h"
+#include "common/live/live_slam.h"
 #include "common/localize/localizer.h"
 #include "common/map/grid_map.h"
 #include "common/map/map_reader.h"

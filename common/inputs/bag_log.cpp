@@ -46,8 +46,8 @@ class BagLog final : public LogReader {
   }
 
   const LogWarnings& warnings() const override {
-    const std::size_t seen = counted_.backward_stamps + counted_.beam_count_changes + bag_->faults().count +
-                             messages_.troubles();
+    const std::size_t seen =
+        counted_.backward_stamps + counted_.beam_count_changes + bag_->faults().count + messages_.troubles();
     if (std::exchange(told_, seen) != seen) tell_all();
     return warnings_;
   }

@@ -47,7 +47,7 @@ class RobotMessages {
   /// that do not move.
   void forget();
 
-  std::size_t placed() const { return placed_; }  ///< Scans.
+  std::size_t placed() const { return placed_; }                                ///< Scans.
   std::size_t waiting() const { return unplaced_.size() + joiner_.waiting(); }  ///< Likewise.
   const OdometryJoiner& joiner() const { return joiner_; }
   /// Whatever was worked around so far.

@@ -26,8 +26,8 @@ class ScanStream {
              std::function<void(std::size_t line)> check)
       : log_(log), scan_(scan), lidars_(lidars), check_(std::move(check)) {}
 
-  /// Throws Error{input} for a scan whose arrays do not fit together, which is left out if it is called again.
-  /// False at the end of the log, and where one that waits has no more for now.
+  /// Throws Error{input} for a scan whose arrays do not fit together, which is left out if it is called
+  /// again. False at the end of the log, and where one that waits has no more for now.
   bool next(LogRecord& scan);
 
   /// take(StampedPose) for the odometry that was read since the last call.

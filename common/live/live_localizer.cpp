@@ -2,12 +2,10 @@
 
 #include <algorithm>
 #include <cmath>
-#include <set>
 #include <utility>
 
 #include "common/error.h"
-#include "common/inputs/live_log.h"
-#include "common/io/scan_stream.h"
+#include "common/live/live_scans.h"
 
 namespace parloc {
 namespace {
@@ -18,30 +16,23 @@ constexpr double kLeastSigma_m = 0.1, kLeastSigma_rad = 0.05;
 }  // namespace
 
 struct LiveLocalizer::State {
-  State(const Config& c, bool odometry_topic) : config(c), log("robot", log_choice(config), odometry_topic) {
-    forget();
-  }
+  State(const Config& c, bool odometry_topic)
+      : config(c), scans(log_choice(config), odometry_topic, config.scan, config.lidars) {}
 
-  void forget() { scans.emplace(log, config.scan, config.lidars, [](std::size_t) {}); }
   LiveAnswer answer(const LogRecord& record);
   void start(const LiveStart& from);
   void go_on();
-  void tell(const std::string& line);
 
   Config config;
   std::optional<Localizer> localizer;
-  LiveLog log;
-  std::optional<ScanStream> scans;
+  LiveScans scans;
   std::optional<LiveStart> wanted;  ///< What was said last, as long as no scan has been answered since.
   std::optional<Estimate> last;     ///< Since then.
   bool started = false;
-  std::size_t troubles = 0;     ///< Of the log, that were looked at.
-  std::set<std::string> known;  ///< Lines that were told, without their numbers.
-  std::vector<std::string> told;
 };
 
 LiveAnswer LiveLocalizer::State::answer(const LogRecord& record) {
-  scans->pass_odometry(
+  scans.pass_odometry(
       [&](const StampedPose& reading) { localizer->add_odometry(reading.stamp_s, reading.pose); });
   LiveAnswer out;
   out.stamp_s = record.stamp_s;
@@ -79,17 +70,9 @@ void LiveLocalizer::State::go_on() {
     const double sigma_m = std::max(std::sqrt(std::max(variance[0], variance[4])), kLeastSigma_m);
     start({last->pose, sigma_m, sigma_m, std::max(std::sqrt(variance[8]), kLeastSigma_rad)});
   } catch (const Error& error) {  // it is not on this map
-    tell(error.what());
+    scans.tell(error.what());
     start({});
   }
-}
-
-/// Once, whatever numbers are in it: of a hundred bad messages the first is told.
-void LiveLocalizer::State::tell(const std::string& line) {
-  constexpr std::size_t most = 1000;
-  std::string key = line;
-  std::erase_if(key, [](char c) { return c >= '0' && c <= '9'; });
-  if (known.size() < most && known.insert(key).second) told.push_back(line);
 }
 
 LiveLocalizer::LiveLocalizer(const Config& config, bool odometry_topic)
@@ -121,18 +104,18 @@ bool LiveLocalizer::started() const {
 }
 
 void LiveLocalizer::take(TopicRole role, const std::string& topic, std::string_view bytes) {
-  state_->log.take(role, topic, bytes);
+  state_->scans.take(role, topic, bytes);
 }
 
 std::optional<LiveAnswer> LiveLocalizer::next() {
   State& s = *state_;
   for (LogRecord record;;) {
     try {
-      if (!s.scans->next(record)) return std::nullopt;
+      if (!s.scans.next(record)) return std::nullopt;
       if (s.started) return s.answer(record);  // before, nobody knows where it was taken
     } catch (const Error& error) {
       if (error.kind() != ErrorKind::input) throw;
-      s.tell(error.what());
+      s.scans.tell(error.what());
     }
   }
 }
@@ -143,8 +126,7 @@ void LiveLocalizer::weigh_next() {
 
 void LiveLocalizer::forget() {
   State& s = *state_;
-  s.log.forget();
-  s.forget();
+  s.scans.forget();
   if (s.localizer) s.go_on();
 }
 
@@ -154,17 +136,11 @@ const Localizer& LiveLocalizer::localizer() const {
 }
 
 std::size_t LiveLocalizer::waiting() const {
-  return state_->log.waiting();
+  return state_->scans.waiting();
 }
 
 std::vector<std::string> LiveLocalizer::troubles() {
-  State& s = *state_;
-  if (std::exchange(s.troubles, s.log.troubles()) != s.log.troubles()) {
-    const LogWarnings& now = s.log.warnings();
-    for (const LogNote& note : now.notes) s.tell(note.lidar + ": " + note.text);
-    for (const std::string& line : now.messages) s.tell(line);
-  }
-  return std::exchange(s.told, {});
+  return state_->scans.troubles();
 }
 
 }  // namespace parloc

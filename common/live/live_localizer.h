@@ -20,7 +20,7 @@ struct LiveAnswer {
   std::string lidar;     ///< Its topic without the slash.
   Pose odometry;         ///< T_odom_base at that time, as the robot said it.
   LocalizerEstimate estimate;
-  Pose T_map_odom;   ///< What takes the robot's own odometry to the map: pose * odometry^-1.
+  Pose T_map_odom;          ///< What takes the robot's own odometry to the map: pose * odometry^-1.
   std::string why_skipped;  ///< Why the scan changed nothing; empty if it did.
 };
 

@@ -187,5 +187,5 @@ class World(Node):
 
 def begin():
     """A domain of its own, so that tests beside this one are not heard."""
-    os.environ.setdefault("ROS_DOMAIN_ID", str(1 + os.getpid() % 100))
+    os.environ["ROS_DOMAIN_ID"] = str(1 + os.getpid() % 100)
     rclpy.init()

@@ -25,6 +25,7 @@ set(PARLOC_PUBLIC_HEADERS
   io/log_choice.h
   io/trajectory.h
   live/live_localizer.h
+  live/live_slam.h
   localize/health.h
   localize/localizer.h
   localize/localizer_config.h

@@ -19,6 +19,7 @@
 #include "common/error.h"
 #include "common/inputs/map_message.h"
 #include "common/live/answer_messages.h"
+#include "common/live/live_slam.h"
 #include "common/ros/messages.h"
 #include "tools/python/bindings/arguments.h"
 #include "tools/python/bindings/bindings.h"
@@ -45,9 +46,10 @@ TopicRole role_of(const std::string& name) {
                                                       {"fixed_transforms", TopicRole::fixed_transforms}};
   const auto found = roles.find(name);
   if (found == roles.end())
-    throw Error(ErrorKind::usage, "role: expected scan, multi_echo_scan, cloud, odometry, transforms or "
-                                  "fixed_transforms, got " +
-                                      printable(name));
+    throw Error(ErrorKind::usage,
+                "role: expected scan, multi_echo_scan, cloud, odometry, transforms or "
+                "fixed_transforms, got " +
+                    printable(name));
   return found->second;
 }
 
@@ -110,14 +112,18 @@ void bind_answer(nb::module_& m) {
       .def_ro("odometry", &LiveAnswer::odometry, "T_odom_base at that time, as the robot said it.")
       .def_ro("T_map_odom", &LiveAnswer::T_map_odom, "What takes the odometry to the map.")
       .def_ro("why_skipped", &LiveAnswer::why_skipped, "Why the scan changed nothing; empty if it did.")
-      .def_prop_ro("pose", [](const LiveAnswer& a) { return a.estimate.filter.pose; }, "T_map_base.")
+      .def_prop_ro(
+          "pose", [](const LiveAnswer& a) { return a.estimate.filter.pose; }, "T_map_base.")
       .def_prop_ro("sigmas", &sigmas, "Standard deviations of x [m], y [m] and heading [rad].")
-      .def_prop_ro("weighted", [](const LiveAnswer& a) { return a.estimate.filter.weighted; },
-                   "Whether the scan was weighed; else the pose has moved with the odometry.")
-      .def_prop_ro("state", [](const LiveAnswer& a) { return name_of(a.estimate.health.state); },
-                   "tracking, ambiguous or lost.")
-      .def_prop_ro("probability", [](const LiveAnswer& a) { return a.estimate.health.probability; },
-                   "That the pose is within 0.5 m and 10 degrees.")
+      .def_prop_ro(
+          "weighted", [](const LiveAnswer& a) { return a.estimate.filter.weighted; },
+          "Whether the scan was weighed; else the pose has moved with the odometry.")
+      .def_prop_ro(
+          "state", [](const LiveAnswer& a) { return name_of(a.estimate.health.state); },
+          "tracking, ambiguous or lost.")
+      .def_prop_ro(
+          "probability", [](const LiveAnswer& a) { return a.estimate.health.probability; },
+          "That the pose is within 0.5 m and 10 degrees.")
       .def(
           "pose_message",
           [](const LiveAnswer& a, const std::string& map, const std::string& odom) {
@@ -140,6 +146,50 @@ void bind_answer(nb::module_& m) {
           "diagnostic_msgs/DiagnosticArray in CDR: state, probability and the places that are possible.");
 }
 
+std::vector<LiveSlamAnswer> take_slam(LiveSlam& robot, const std::string& role, const std::string& topic,
+                                      const nb::bytes& data) {
+  const std::string_view message = view(data);
+  const nb::gil_scoped_release others;
+  robot.take(role_of(role), topic, message);
+  std::vector<LiveSlamAnswer> answers;
+  while (auto answer = robot.next()) answers.push_back(*answer);
+  return answers;
+}
+
+void bind_slam(nb::module_& m) {
+  nb::class_<LiveSlamAnswer>(m, "LiveSlamAnswer", "What is said to one scan while a map is made.")
+      .def_ro("stamp_s", &LiveSlamAnswer::stamp_s, "Of the scan [s].")
+      .def_ro("pose", &LiveSlamAnswer::pose, "T_map_base, by the most likely particle.")
+      .def_ro("T_map_odom", &LiveSlamAnswer::T_map_odom, "What takes the odometry to the map.")
+      .def_ro("taken_in", &LiveSlamAnswer::taken_in, "The robot had moved far enough for the scan to count.")
+      .def(
+          "map_odom_message",
+          [](const LiveSlamAnswer& a, const std::string& map, const std::string& odom, double tolerance_s) {
+            LiveAnswer answer;
+            answer.stamp_s = a.stamp_s;
+            answer.T_map_odom = a.T_map_odom;
+            return bytes(map_odom_message(answer, {map, odom}, tolerance_s));
+          },
+          "map"_a, "odom"_a, "tolerance_s"_a,
+          "tf2_msgs/TFMessage in CDR: the transform from map to odom, dated ahead by `tolerance_s`.");
+  nb::class_<LiveSlam>(m, "LiveSlam",
+                       "Mapping that is fed with the messages of a robot with ROS 2, in CDR: it makes what "
+                       "`parloc slam` makes of a "
+                       "bag of the same messages, but that it closes no loops. Nothing that a message holds "
+                       "raises. One thread at a "
+                       "time.")
+      .def(nb::init<const Config&, bool>(), "settings"_a, "odometry_topic"_a = false,
+           "Frames, topics and LiDARs as LiveLocalizer has them; `settings.slam` the rest.")
+      .def("take", &take_slam, "role"_a, "topic"_a, "message"_a,
+           "Takes a message and returns the answers that can be given with it; roles as LiveLocalizer's.")
+      .def("forget", &LiveSlam::forget,
+           "The robot's clock was set: messages are forgotten, map and pose stay.")
+      .def("map_so_far", &LiveSlam::map_so_far, nb::call_guard<nb::gil_scoped_release>(),
+           "The most likely particle's map; None before the first scan. Its cost grows with its area.")
+      .def_prop_ro("waiting", &LiveSlam::waiting, "Scans without an answer yet.")
+      .def("troubles", &LiveSlam::troubles, "Lines about what could not be used, each once.");
+}
+
 }  // namespace
 
 void bind_live(nb::module_& m) {
@@ -147,38 +197,49 @@ void bind_live(nb::module_& m) {
   nb::class_<PreparedLocalizer>(m, "PreparedLocalizer", "A localizer of a map, ready to be put in.");
   nb::class_<LiveLocalizer>(
       m, "LiveLocalizer",
-      "A localizer that is fed with the messages of a robot with ROS 2, in CDR: it says what `parloc run` says "
+      "A localizer that is fed with the messages of a robot with ROS 2, in CDR: it says what `parloc run` "
+      "says "
       "of a bag of the same messages, to the bit. Nothing that a message holds raises. One thread at a time; "
       "prepare() in any.")
-      .def(nb::init<const Config&, bool>(), "settings"_a, "odometry_topic"_a = false,
-           "`settings.log` says which frames are the odometry's and the robot's. Without `odometry_topic` the "
-           "odometry is a transform. There is no map yet: scans are let pass.")
-      .def_static("prepare", &LiveLocalizer::prepare, "settings"_a, "map"_a,
-                  nb::call_guard<nb::gil_scoped_release>(),
-                  "Makes a localizer of settings and map, which takes a while for a large map. Raises ConfigError "
-                  "and InputError.")
       .def(
-          "put", [](LiveLocalizer& robot, PreparedLocalizer& ready) { robot.put(std::move(ready)); }, "prepared"_a,
+          nb::init<const Config&, bool>(), "settings"_a, "odometry_topic"_a = false,
+          "`settings.log` says which frames are the odometry's and the robot's. Without `odometry_topic` the "
+          "odometry is a transform. There is no map yet: scans are let pass.")
+      .def_static(
+          "prepare", &LiveLocalizer::prepare, "settings"_a, "map"_a, nb::call_guard<nb::gil_scoped_release>(),
+          "Makes a localizer of settings and map, which takes a while for a large map. Raises ConfigError "
+          "and InputError.")
+      .def(
+          "put", [](LiveLocalizer& robot, PreparedLocalizer& ready) { robot.put(std::move(ready)); },
+          "prepared"_a,
           "The next scan is answered by this one, from where the robot is; `prepared` is used up.")
       .def("start", &start, "pose"_a = nb::none(), "sigma"_a = std::array<double, 3>{},
-           "The robot is at `pose` of the map, give or take `sigma` (x [m], y [m], heading [rad]), or anywhere. "
+           "The robot is at `pose` of the map, give or take `sigma` (x [m], y [m], heading [rad]), or "
+           "anywhere. "
            "Raises InputError for a pose that is not on the map.")
       .def_prop_ro("has_map", &LiveLocalizer::has_map, "Whether a localizer was put in.")
       .def_prop_ro("started", &LiveLocalizer::started, "Whether scans are answered.")
-      .def("take", &take, "role"_a, "topic"_a, "message"_a,
-           "Takes a message and returns the answers that can be given with it. `role`: scan, multi_echo_scan, "
-           "cloud, odometry, transforms or fixed_transforms.")
+      .def(
+          "take", &take, "role"_a, "topic"_a, "message"_a,
+          "Takes a message and returns the answers that can be given with it. `role`: scan, multi_echo_scan, "
+          "cloud, odometry, transforms or fixed_transforms.")
       .def("weigh_next", &LiveLocalizer::weigh_next, "The next scan is weighed though the robot stands.")
-      .def("forget", &LiveLocalizer::forget, "The robot's clock was set: messages are forgotten, the pose stays.")
+      .def("forget", &LiveLocalizer::forget,
+           "The robot's clock was set: messages are forgotten, the pose stays.")
       .def_prop_ro("waiting", &LiveLocalizer::waiting, "Scans without an answer yet.")
       .def("troubles", &LiveLocalizer::troubles, "Lines about what could not be used, each once.")
       .def(
           "particles_message",
-          [](const LiveLocalizer& robot, const LiveAnswer& answer, const std::string& map, const std::string& odom,
-             std::size_t most) { return bytes(particles_message(answer, {map, odom}, robot.localizer(), most)); },
-          "answer"_a, "map"_a, "odom"_a, "most"_a, "nav2_msgs/ParticleCloud in CDR of at most so many particles.")
-      .def_prop_ro("digest", [](const LiveLocalizer& robot) { return robot.localizer().filter().digest(); },
-                   "As `parloc run` prints it.");
+          [](const LiveLocalizer& robot, const LiveAnswer& answer, const std::string& map,
+             const std::string& odom, std::size_t most) {
+            return bytes(particles_message(answer, {map, odom}, robot.localizer(), most));
+          },
+          "answer"_a, "map"_a, "odom"_a, "most"_a,
+          "nav2_msgs/ParticleCloud in CDR of at most so many particles.")
+      .def_prop_ro(
+          "digest", [](const LiveLocalizer& robot) { return robot.localizer().filter().digest(); },
+          "As `parloc run` prints it.");
+  bind_slam(m);
   m.def("stamp_of_message", &stamp_of_message, "message"_a,
         "The stamp of a message in CDR that begins with a header [s]; None if it does not.");
   m.def("map_from_message", &map_of_message, "message"_a, "name"_a,
