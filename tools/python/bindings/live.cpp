@@ -14,15 +14,15 @@
 #include <tuple>
 #include <utility>
 
-#include "common/config/nav2_config.h"
 #include "common/config/nav2_parameters.h"
 #include "common/error.h"
 #include "common/inputs/map_message.h"
 #include "common/live/answer_messages.h"
 #include "common/live/live_slam.h"
 #include "common/ros/messages.h"
-#include "tools/python/bindings/arguments.h"
 #include "tools/python/bindings/bindings.h"
+#include "tools/python/values/arguments.h"
+#include "tools/python/values/config_box.h"
 
 namespace parloc::python {
 namespace {
@@ -51,6 +51,17 @@ TopicRole role_of(const std::string& name) {
                 "fixed_transforms, got " +
                     printable(name));
   return found->second;
+}
+
+template <class Robot>
+void make(Robot* self, const ConfigBox* config, bool odometry_topic) {
+  new (self) Robot(config_or_default(config), odometry_topic);
+}
+
+PreparedLocalizer prepare(const ConfigBox& config, const GridMap& map) {
+  const Config given = config.config;
+  const nb::gil_scoped_release others;
+  return LiveLocalizer::prepare(given, map);
 }
 
 /// All that can be said after a message, with the interpreter free for others.
@@ -105,7 +116,7 @@ std::vector<std::tuple<std::string, std::string, std::string>> all_nav2_paramete
   return all;
 }
 
-void bind_answer(nb::module_& m) {
+void bind_live_answer(nb::module_& m) {
   nb::class_<LiveAnswer>(m, "LiveAnswer", "What is said to one scan.")
       .def_ro("stamp_s", &LiveAnswer::stamp_s, "Of the scan [s].")
       .def_ro("lidar", &LiveAnswer::lidar, "Whose scan it is: its topic without the slash.")
@@ -156,7 +167,7 @@ std::vector<LiveSlamAnswer> take_slam(LiveSlam& robot, const std::string& role, 
   return answers;
 }
 
-void bind_slam(nb::module_& m) {
+void bind_live_slam(nb::module_& m) {
   nb::class_<LiveSlamAnswer>(m, "LiveSlamAnswer", "What is said to one scan while a map is made.")
       .def_ro("stamp_s", &LiveSlamAnswer::stamp_s, "Of the scan [s].")
       .def_ro("pose", &LiveSlamAnswer::pose, "T_map_base, by the most likely particle.")
@@ -178,8 +189,8 @@ void bind_slam(nb::module_& m) {
                        "bag of the same messages, but that it closes no loops. Nothing that a message holds "
                        "raises. One thread at a "
                        "time.")
-      .def(nb::init<const Config&, bool>(), "settings"_a, "odometry_topic"_a = false,
-           "Frames, topics and LiDARs as LiveLocalizer has them; `settings.slam` the rest.")
+      .def("__init__", &make<LiveSlam>, "config"_a = nb::none(), "odometry_topic"_a = false,
+           "Frames, topics and LiDARs as LiveLocalizer has them; `config.slam` the rest.")
       .def("take", &take_slam, "role"_a, "topic"_a, "message"_a,
            "Takes a message and returns the answers that can be given with it; roles as LiveLocalizer's.")
       .def("forget", &LiveSlam::forget,
@@ -193,7 +204,7 @@ void bind_slam(nb::module_& m) {
 }  // namespace
 
 void bind_live(nb::module_& m) {
-  bind_answer(m);
+  bind_live_answer(m);
   nb::class_<PreparedLocalizer>(m, "PreparedLocalizer", "A localizer of a map, ready to be put in.");
   nb::class_<LiveLocalizer>(
       m, "LiveLocalizer",
@@ -201,14 +212,13 @@ void bind_live(nb::module_& m) {
       "says "
       "of a bag of the same messages, to the bit. Nothing that a message holds raises. One thread at a time; "
       "prepare() in any.")
-      .def(
-          nb::init<const Config&, bool>(), "settings"_a, "odometry_topic"_a = false,
-          "`settings.log` says which frames are the odometry's and the robot's. Without `odometry_topic` the "
-          "odometry is a transform. There is no map yet: scans are let pass.")
-      .def_static(
-          "prepare", &LiveLocalizer::prepare, "settings"_a, "map"_a, nb::call_guard<nb::gil_scoped_release>(),
-          "Makes a localizer of settings and map, which takes a while for a large map. Raises ConfigError "
-          "and InputError.")
+      .def("__init__", &make<LiveLocalizer>, "config"_a = nb::none(), "odometry_topic"_a = false,
+           "`config.log` says which frames are the odometry's and the robot's. Without `odometry_topic` the "
+           "odometry is a transform. There is no map yet: scans are let pass.")
+      .def_static("prepare", &prepare, "config"_a, "map"_a,
+                  "Makes a localizer of configuration and map, which takes a while for a large map. Raises "
+                  "ConfigError "
+                  "and InputError.")
       .def(
           "put", [](LiveLocalizer& robot, PreparedLocalizer& ready) { robot.put(std::move(ready)); },
           "prepared"_a,
@@ -239,7 +249,7 @@ void bind_live(nb::module_& m) {
       .def_prop_ro(
           "digest", [](const LiveLocalizer& robot) { return robot.localizer().filter().digest(); },
           "As `parloc run` prints it.");
-  bind_slam(m);
+  bind_live_slam(m);
   m.def("stamp_of_message", &stamp_of_message, "message"_a,
         "The stamp of a message in CDR that begins with a header [s]; None if it does not.");
   m.def("map_from_message", &map_of_message, "message"_a, "name"_a,

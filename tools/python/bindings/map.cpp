@@ -4,6 +4,7 @@
 #include <nanobind/stl/string.h>
 #include <nanobind/stl/vector.h>
 
+#include <cmath>
 #include <cstring>
 #include <filesystem>
 
@@ -12,8 +13,8 @@
 #include "common/map/grid_map.h"
 #include "common/map/map_limits.h"
 #include "common/map/map_reader.h"
-#include "tools/python/bindings/arguments.h"
 #include "tools/python/bindings/bindings.h"
+#include "tools/python/values/arguments.h"
 
 namespace parloc::python {
 namespace {
@@ -21,17 +22,17 @@ namespace {
 namespace nb = nanobind;
 using namespace nb::literals;
 
-using CellArray = nb::ndarray<const std::uint8_t, nb::ndim<2>, nb::c_contig, nb::device::cpu>;
-
-void make_map(GridMap* self, const CellArray& cells, double resolution_m, const PoseLike& origin,
+void make_map(GridMap* self, nb::handle source, double resolution_m, const PoseLike& origin,
               const std::string& name) {
+  const auto cells = bytes_from(source, "cells");
   const std::size_t height = cells.shape(0), width = cells.shape(1);
   const auto longest = static_cast<std::size_t>(kMaxMapSide);
   if (height < 1 || height > longest || width < 1 || width > longest)
     throw Error(ErrorKind::input, fmt::format("cells: expected 1 to {} rows and columns, got {} x {}",
                                               kMaxMapSide, height, width));
-  if (!(resolution_m > 0.0))
+  if (!(resolution_m > 0.0) || !std::isfinite(resolution_m))
     throw Error(ErrorKind::input, fmt::format("resolution_m: expected above 0, got {}", resolution_m));
+  if (!is_finite(origin.pose)) throw Error(ErrorKind::input, "origin: expected finite numbers");
   for (std::size_t k = 0; k < height * width; ++k)
     if (cells.data()[k] > static_cast<std::uint8_t>(Cell::unknown))
       throw Error(ErrorKind::input,
@@ -62,9 +63,12 @@ void bind_map(nb::module_& m) {
       "+x and j along +y of the grid's frame, whose origin is the corner of cells[0, 0]. "
       "Outside the grid is unknown.")
       .def("__init__", &make_map, "cells"_a, "resolution_m"_a, "origin"_a = PoseLike{}, "name"_a = "array",
+           nb::sig("def __init__(self, cells: NDArray[numpy.uint8], resolution_m: float, origin: Pose | "
+                   "Sequence[float] = "
+                   "(0.0, 0.0, 0.0), name: str = 'array') -> None"),
            "From a uint8 array of shape (height, width), which is copied; `origin` is the pose of the corner "
            "of "
-           "cells[0, 0] in the map frame. Raises InputError for other values.")
+           "cells[0, 0] in the map frame. Raises TypeError for another type, InputError for other values.")
       .def_prop_ro(
           "cells", &cells_of,
           "uint8 array of shape (height, width): a view of the map itself, no copy. What filters made "

@@ -5,9 +5,20 @@ NB_MODULE(_parloc, m) {
   using namespace parloc::python;
   m.doc() = "The compiled part of parloc.";
   m.attr("__version__") = PARLOC_VERSION;
+  // In this order: what a signature names is known before it.
   bind_errors(m);
   bind_pose(m);
+  bind_config(m);
   bind_map(m);
-  bind_settings(m);
+  bind_scan(m);
+  bind_trajectory(m);
+  bind_log(m);
+  bind_estimate(m);
+  bind_filters(m);
+  bind_localizer(m);
+  bind_search(m);
+  bind_slam(m);
+  bind_simulator(m);
+  bind_trials(m);
   bind_live(m);
 }

@@ -8,8 +8,8 @@
 
 #include <tuple>
 
-#include "tools/python/bindings/arguments.h"
 #include "tools/python/bindings/bindings.h"
+#include "tools/python/values/arguments.h"
 
 namespace parloc::python {
 

@@ -50,11 +50,11 @@ class Amcl(LifecycleNode):
     def on_configure(self, state):
         self._told = parameters.read(self)
         try:
-            self._settings = self._told.settings()
+            self._config = self._told.config()
         except parloc.Error as error:
             self.get_logger().error(str(error))
             return TransitionCallbackReturn.FAILURE
-        self._robot = parloc.LiveLocalizer(self._settings, odometry_topic=bool(self._told["odom_topic"]))
+        self._robot = parloc.LiveLocalizer(self._config, odometry_topic=bool(self._told["odom_topic"]))
         self._delay = Delay()
         self._dropped = 0
         self._map_bytes = self._map = self._fingerprint = None
@@ -225,16 +225,16 @@ class Amcl(LifecycleNode):
             self.get_logger().error(f"{error}: the map before stays")
             return
         self._map, self._new_fingerprint = grid, PoseFile.fingerprint(data)
-        self._make(self._settings)
+        self._make(self._config)
 
-    def _make(self, settings):
+    def _make(self, config):
         """Makes a localizer beside, which takes over with the next message after it is done."""
         self._making += 1
         number, grid = self._making, self._map
 
         def make():
             try:
-                ready = parloc.LiveLocalizer.prepare(settings, grid)
+                ready = parloc.LiveLocalizer.prepare(config, grid)
             except parloc.Error as error:
                 self.get_logger().error(f"{error}: the map before stays")
                 return
@@ -260,7 +260,7 @@ class Amcl(LifecycleNode):
             self._robot.start(pose, sigma)
         elif told["set_initial_pose"]:
             pose = (told["initial_pose.x"], told["initial_pose.y"], told["initial_pose.yaw"])
-            self._start(pose, (self._settings.initial_sigma_xy,) * 2 + (self._settings.initial_sigma_theta,))
+            self._start(pose, (self._config.initial_sigma_xy,) * 2 + (self._config.initial_sigma_theta,))
         elif told["find_initial_pose"]:
             log.info("no pose was given: looking on the whole map")
             self._robot.start()
@@ -317,16 +317,16 @@ class Amcl(LifecycleNode):
             return SetParametersResult(successful=False, reason=f"{fixed[0]}: clean up the node first")
         told = parameters.read(self, changed)
         try:
-            settings = told.settings()
+            config = told.config()
         except parloc.Error as error:
             return SetParametersResult(successful=False, reason=str(error))
         except TypeError as error:
             return SetParametersResult(successful=False, reason=str(error))
         self._told = told
-        if settings != self._settings:
-            self._settings = settings
+        if config != self._config:
+            self._config = config
             if self._map is not None:
-                self._make(settings)
+                self._make(config)
         return SetParametersResult(successful=True)
 
 

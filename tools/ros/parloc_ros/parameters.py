@@ -68,13 +68,13 @@ class Parameters:
         told = {name: self.values[name] for name, _, _ in parloc.nav2_parameters()}
         return json.dumps({"amcl": {"ros__parameters": told}})
 
-    def settings(self):
-        """All of it as parloc's settings. Raises parloc.ConfigError with one line."""
-        base = parloc.Settings.from_yaml(self["parloc_config"]) if self["parloc_config"] else parloc.Settings()
-        settings = parloc.Settings.from_nav2(self.nav2_yaml(), "the node's parameters", base)
-        settings.threads = self["threads"]
-        settings.backend = self["backend"]
-        return settings
+    def config(self):
+        """All of it as parloc's configuration. Raises parloc.ConfigError with one line."""
+        base = parloc.read_config(self["parloc_config"]) if self["parloc_config"] else None
+        config = parloc.Config.from_yaml(self.nav2_yaml(), "the node's parameters", base)
+        config.threads = self["threads"]
+        config.backend = self["backend"]
+        return config
 
 
 def read(node, changed=()):

@@ -5,10 +5,13 @@
 #include <nanobind/ndarray.h>
 
 #include <cstddef>
+#include <cstdint>
 #include <utility>
 #include <vector>
 
+#include "common/filter/pose_filter.h"
 #include "common/math/pose.h"
+#include "common/model/trajectory.h"
 
 namespace parloc::python {
 
@@ -17,14 +20,40 @@ struct PoseLike {
   Pose pose;
 };
 
-/// A vector as a numpy array of `shape`, without a copy: the array owns it from now on.
+/// Of one dimension: an array of numbers, or any sequence of them. Throws TypeError for anything else, in one
+/// line that begins with `name`.
+std::vector<float> floats_from(nanobind::handle source, const char* name);
+std::vector<double> doubles_from(nanobind::handle source, const char* name);
+/// Rows of (stamp_s, x_m, y_m, theta_rad). Likewise.
+Trajectory trajectory_from(nanobind::handle source, const char* name);
+/// Bytes in rows. Likewise.
+nanobind::ndarray<const std::uint8_t, nanobind::ndim<2>, nanobind::c_contig, nanobind::device::cpu>
+bytes_from(nanobind::handle source, const char* name);
+
+template <class Scalar>
+using Array = nanobind::ndarray<nanobind::numpy, Scalar>;
+/// For properties whose arrays own what they hold.
+inline constexpr auto kOwnArray = nanobind::rv_policy::automatic;
+
+/// A vector as a numpy array without a copy, a row with `columns` numbers each (1: no second dimension): the
+/// array owns it from now on.
 template <class Scalar, class Row>
-nanobind::ndarray<nanobind::numpy, Scalar> array_of(std::vector<Row>&& rows, std::size_t columns) {
+Array<Scalar> array_of(std::vector<Row>&& rows, std::size_t columns) {
   static_assert(sizeof(Row) % sizeof(Scalar) == 0);
   auto* kept = new std::vector<Row>(std::move(rows));
   nanobind::capsule owner(kept, [](void* p) noexcept { delete static_cast<std::vector<Row>*>(p); });
   const std::size_t shape[] = {kept->size(), columns};
   return {kept->data(), columns > 1 ? 2u : 1u, shape, owner};
+}
+static_assert(sizeof(StampedPose) == 4 * sizeof(double));
+/// Rows of (stamp_s, x_m, y_m, theta_rad).
+Array<double> array_of(Trajectory&& trajectory);
+/// 3 x 3, a copy.
+Array<double> array_of(const Covariance& covariance);
+
+/// Lets Ctrl-C end what takes long; the GIL is held.
+inline void heed_signals() {
+  if (PyErr_CheckSignals() != 0) throw nanobind::python_error();
 }
 
 }  // namespace parloc::python
