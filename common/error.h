@@ -11,7 +11,7 @@ namespace parloc {
 /// What went wrong. The value is the exit code of the `parloc` program (docs/exit_codes.md).
 enum class ErrorKind {
   internal = 1,  ///< A defect in parloc, or a device that failed.
-  usage = 2,     ///< The command line is wrong.
+  usage = 2,     ///< The command line is wrong, or calls of the library are in a wrong order.
   input = 3,     ///< A map, log or trajectory cannot be read or makes no sense.
   config = 4,    ///< A configuration has an unknown key, a wrong type or an impossible value.
   output = 5,    ///< A result cannot be written.

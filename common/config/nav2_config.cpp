@@ -123,6 +123,14 @@ class Translation {
   void scale_shares();
   void take_start();
 
+  /// A threshold of 0 is none here, but the least of motions there.
+  bool any_motion_counts() const {
+    const auto is_zero = [&](const char* name) {
+      const Nav2Value* value = find(name);
+      return value != nullptr && number(*value, 0.0, 100.0) == 0.0;
+    };
+    return is_zero("update_min_d") || is_zero("update_min_a");
+  }
   bool reads_all_shares() const { return result_.config.sensor.model == SensorModel::beam; }
 
   const Nav2File& nav2_;
@@ -183,6 +191,10 @@ void Translation::take(const Nav2Value& value) {
   }
   if (parameter->fate == Nav2Fate::none) return tell(value, Kind::no_meaning, parameter->why);
   if (parameter->fate == Nav2Fate::adapted) return take_adapted(value, *parameter);
+  if (value.name.starts_with("update_min_") && any_motion_counts()) {
+    result_.config.update_min_d = result_.config.update_min_a = 0.0;
+    return tell_taken(value, parameter->setting, "one of them is 0: any motion counts, so every scan");
+  }
   if (value.name == "min_particles" && whole_number(value) == 0) {
     result_.config.min_particles = 1;  // 0 stands for something else here
   } else {

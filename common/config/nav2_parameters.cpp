@@ -8,6 +8,7 @@ namespace {
 constexpr const char* kTransforms = "no transforms are sent";
 constexpr const char* kOfBag = "of a bag";
 constexpr const char* kNode = "about the node, not about localization";
+constexpr const char* kAnyMotion = "0 of either: any motion, so every scan";
 
 }  // namespace
 
@@ -67,8 +68,8 @@ const std::vector<Nav2Parameter>& nav2_parameters() {
       {"sigma_hit", "0.2", same, "sensor.sigma_hit", ""},
       {"tf_broadcast", "true", none, "", kTransforms},
       {"transform_tolerance", "1.0", none, "", kTransforms},
-      {"update_min_a", "0.2", same, "update_min_a", ""},
-      {"update_min_d", "0.25", same, "update_min_d", ""},
+      {"update_min_a", "0.2", same, "update_min_a", kAnyMotion},
+      {"update_min_d", "0.25", same, "update_min_d", kAnyMotion},
       {"use_sim_time", "false", none, "", "the time is that of the log"},
       {"z_hit", "0.5", adapted, "sensor.z_hit", "the shares that a model reads are scaled to sum to 1"},
       {"z_max", "0.05", adapted, "sensor.z_max", "only sensor.model: beam reads it"},

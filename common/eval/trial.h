@@ -8,7 +8,7 @@
 
 #include "common/eval/calibration.h"
 #include "common/filter/particle_filter.h"
-#include "common/filter/pose_guess.h"
+#include "common/filter/pose/pose_guess.h"
 #include "common/io/log.h"
 #include "common/io/trajectory.h"
 #include "common/localize/health.h"

@@ -5,7 +5,7 @@
 #include <memory>
 
 #include "common/filter/filter_group.h"
-#include "common/filter/step_config.h"
+#include "common/filter/steps/step_config.h"
 #include "common/model/sensor_config.h"
 
 namespace parloc {

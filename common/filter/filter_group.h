@@ -4,7 +4,7 @@
 #include <cstdint>
 #include <memory>
 
-#include "common/filter/compute_config.h"
+#include "common/filter/steps/compute_config.h"
 
 namespace parloc {
 

@@ -1,11 +1,12 @@
 // What every filter that tracks a pose keeps of its run.
 #pragma once
 
+#include <optional>
 #include <string>
 
 #include "common/filter/filter_backend.h"
 #include "common/filter/pose_filter.h"
-#include "common/filter/step_front_end.h"
+#include "common/filter/steps/step_front_end.h"
 #include "common/math/sha256.h"
 
 namespace parloc {
@@ -27,8 +28,13 @@ struct PoseFilter::Run {
   RandomKey key() const { return {settings.seed, static_cast<std::uint32_t>(steps)}; }
   /// After the particles were put where they start.
   void begin();
-  /// At the end of a step.
-  void remember(const Estimate& e);
+  /// Throws Error{usage} unless there was a start.
+  void expect_started() const;
+  /// What every step begins with: the odometry at the scan's stamp; nothing if the scan is not to be taken,
+  /// and why_skipped says why. Throws as PoseFilter::step.
+  std::optional<OdometryReading> take(const Pose& recorded, const Scan& scan);
+  /// At the end of a step; `chosen` is what it says of the pose.
+  void remember(const Estimate& e, const PoseEstimate& chosen);
   /// The last estimate, to be given out again: no scan was used for it.
   Estimate not_weighed() const;
 
@@ -37,6 +43,8 @@ struct PoseFilter::Run {
   StepFrontEnd front_end;
   BeamTable beams;  ///< Of the last scan that was taken in.
   Estimate last;
+  PoseEstimate given;             ///< The last pose that was given out, ...
+  std::optional<double> given_s;  ///< ... and its time; none before the first.
   std::string why_skipped;
   std::size_t steps = 0;
   bool started = false;

@@ -90,9 +90,10 @@ void add_settings(Settings& s, FilterConfig& c) {
   add_settings(s, static_cast<ComputeConfig&>(c));
   s.add("initial_sigma_xy", "Spread of a start pose given without one [m]", c.initial_sigma_xy, {0, 1000});
   s.add("initial_sigma_theta", "The same for its heading [rad]", c.initial_sigma_theta, {0, 10});
-  s.add("update_min_d", "Weigh a scan after this much translation [m]; 0 here and below: every scan",
-        c.update_min_d, {0, 100});
-  s.add("update_min_a", "... or after this much rotation [rad]", c.update_min_a, {0, 100});
+  s.add("update_min_d", "Weigh a scan after this much translation [m]; 0: no criterion", c.update_min_d,
+        {0, 100});
+  s.add("update_min_a", "... or after this much rotation [rad]; both 0: every scan", c.update_min_a,
+        {0, 100});
   add_settings(s, c.motion);
   add_settings(s, c.scan);
   add_settings(s, c.sensor);

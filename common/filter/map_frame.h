@@ -36,10 +36,14 @@ inline PoseEstimate in_map_frame(const Moments& m, const Pose& T_map_grid) {
 /// At most `most` of them, evenly by slot; weights are shares of all.
 std::vector<Particle> in_map_frame(const ParticleSet& set, const Pose& T_map_grid, std::size_t most);
 
-/// Throws Error{input} unless there is one.
-void check_has_free_cell(const GridMap& map);
+/// Moves particles of one grid frame into another; those of the same stay as they are, bit by bit.
+void in_other_grid(ParticleSet& set, const Pose& T_map_from, const Pose& T_map_to);
+
+/// Throws Error{input} unless it is a map (validate) with a free cell.
+void check_map(const GridMap& map);
 /// Throws Error{input} unless the pose is finite and inside the map, and the standard deviations are finite
-/// and not negative.
+/// and not negative, or the covariance is one (root_of).
+void check_start(const GridMap& map, const Pose& pose_in_map, const Covariance& covariance);
 void check_start(const GridMap& map, const Pose& pose_in_map, double sigma_x_m, double sigma_y_m,
                  double sigma_theta_rad);
 

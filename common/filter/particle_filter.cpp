@@ -1,6 +1,7 @@
 #include "common/filter/particle_filter.h"
 
 #include <algorithm>
+#include <atomic>
 #include <cmath>
 #include <memory>
 #include <utility>
@@ -17,13 +18,17 @@ namespace {
 
 constexpr double kHeadingUndefined = 1e-3;  // resultant below which a circular mean means nothing (SPEC 4)
 
+const PoseEstimate& chosen_of(const Estimate& e, const FilterConfig& config) {
+  return config.estimate.mode == EstimateMode::mean ? e.mean : e.cluster;
+}
+
 Estimate to_estimate(const StepState& s, const FilterConfig& config, const Pose& T_map_grid, bool weighted) {
   Estimate e;
   e.mean = in_map_frame(s.all, T_map_grid);
   e.cluster = in_map_frame(s.cluster, T_map_grid);
   e.ambiguous_heading = e.mean.heading_resultant < kHeadingUndefined;
   if (e.ambiguous_heading) e.mean.mean.theta_rad = e.cluster.mean.theta_rad;
-  const PoseEstimate& chosen = config.estimate.mode == EstimateMode::mean ? e.mean : e.cluster;
+  const PoseEstimate& chosen = chosen_of(e, config);
   e.pose = chosen.mean;
   e.covariance = chosen.covariance;
   e.n_eff = s.n_eff;
@@ -50,12 +55,16 @@ struct ParticleFilter::State : RunConfig<FilterConfig>, Run {
   std::string backend_name() const override { return backend->name(); }
 
   std::unique_ptr<FilterBackend> backend;
-  std::vector<LidarState> lidars;  // one per LiDAR seen
-  double range_max_m = 0.0;        // that the backend's tables are made for
-  int unlikely_scans = 0;          // in a row, up to the last one
-  int widenings_due = 0;           // in units of the configured noise, in the next step
+  std::vector<LidarState> lidars;         // one per LiDAR seen
+  std::atomic<double> range_max_m = 0.0;  // that the backend's tables are made for; prepare_map reads it
+  int unlikely_scans = 0;                 // in a row, up to the last one
+  int widenings_due = 0;                  // in units of the configured noise, in the next step
 
+  std::unique_ptr<FilterBackend> make_backend(const GridMap& on) const;
   void begin(ParticleSet set);
+  void put(ParticleSet set, const std::optional<Pose>& odometry);
+  void put(ParticleSet set, const PoseEstimate& there);
+  Estimate not_counted(const Pose& odometry, double stamp_s);
   std::size_t lidar_of(const Scan& scan);
   MotionStep motion_to(const Pose& odometry);
   bool may_widen_next() const;
@@ -125,21 +134,26 @@ bool ParticleFilter::State::take_in(const Scan& scan, std::size_t lidar) {
 ParticleFilter::ParticleFilter(const FilterConfig& config, const GridMap& map)
     : PoseFilter(std::make_unique<State>(config, map)) {
   validate(config);
-  check_has_free_cell(map);
-  std::string why;
-  state().backend = make_filter_backend(
-      config.backend,
-      {config.most_particles(), config.threads, config.device, config.sensor, config.resample,
-       config.fewest_particles(), config.kld, config.recovery, config.group},
-      why);
-  state().backend->set_map(map);
+  state().backend = state().make_backend(map);
 }
 
-void ParticleFilter::start_at(const Pose& pose, double sigma_x_m, double sigma_y_m, double sigma_theta_rad) {
+std::unique_ptr<FilterBackend> ParticleFilter::State::make_backend(const GridMap& on) const {
+  check_map(on);
+  std::string why;
+  const FilterConfig& c = config;
+  std::unique_ptr<FilterBackend> made =
+      make_filter_backend(c.backend,
+                          {c.most_particles(), c.threads, c.device, c.sensor, c.resample,
+                           c.fewest_particles(), c.kld, c.recovery, c.group},
+                          why);
+  made->set_map(on);
+  return made;
+}
+
+void ParticleFilter::start_at(const Pose& pose, const Covariance& covariance) {
   State& s = state();
-  check_start(s.map, pose, sigma_x_m, sigma_y_m, sigma_theta_rad);
-  s.begin(gaussian_start(s.map, pose, sigma_x_m, sigma_y_m, sigma_theta_rad, s.config.most_particles(),
-                         s.config.seed));
+  check_start(s.map, pose, covariance);
+  s.begin(gaussian_start(s.map, pose, root_of(covariance), s.config.most_particles(), s.config.seed));
 }
 
 void ParticleFilter::start_anywhere() {
@@ -149,7 +163,7 @@ void ParticleFilter::start_anywhere() {
 
 namespace {
 
-void check(const std::vector<PoseGuess>& guesses) {
+void check_guesses(const std::vector<PoseGuess>& guesses) {
   const auto usable = [](const PoseGuess& g) {
     return is_finite(g.pose) && g.sigma_xy_m >= 0 && std::isfinite(g.sigma_xy_m) && g.sigma_theta_rad >= 0 &&
            std::isfinite(g.sigma_theta_rad) && g.weight > 0 && std::isfinite(g.weight);
@@ -157,28 +171,104 @@ void check(const std::vector<PoseGuess>& guesses) {
   if (guesses.empty() || !std::all_of(guesses.begin(), guesses.end(), usable))
     throw Error(ErrorKind::input, "start: expected guesses that are finite, with weights above 0");
 }
+void check_inside(const std::vector<PoseGuess>& guesses, const GridMap& map) {
+  check_guesses(guesses);
+  for (const PoseGuess& g : guesses) check_start(map, g.pose, g.sigma_xy_m, g.sigma_xy_m, g.sigma_theta_rad);
+}
 
 }  // namespace
 
 void ParticleFilter::start_at(const std::vector<PoseGuess>& guesses) {
-  check(guesses);
   State& s = state();
+  check_inside(guesses, s.map);
   s.begin(mixture_start(s.map, guesses, s.config.most_particles(), s.config.seed, 0));
 }
 
 void ParticleFilter::relocate(const std::vector<PoseGuess>& guesses, const Pose& odometry) {
-  check(guesses);
+  check_guesses(guesses);
   State& s = state();
   const auto step = static_cast<std::uint32_t>(s.steps);
-  s.backend->upload(mixture_start(s.map, guesses, s.config.most_particles(), s.config.seed, step));
-  s.front_end.set_odometry(odometry);
-  for (LidarState& lidar : s.lidars) lidar.odometry.reset();  // the next scan counts, however near
-  s.last = {};
-  s.started = true;
+  s.put(mixture_start(s.map, guesses, s.config.most_particles(), s.config.seed, step), odometry);
+}
+
+void ParticleFilter::relocate(const std::vector<PoseGuess>& guesses) {
+  State& s = state();
+  s.expect_started();
+  check_inside(guesses, s.map);
+  const auto step = static_cast<std::uint32_t>(s.steps);
+  const PoseGuess& g =
+      *std::max_element(guesses.begin(), guesses.end(),
+                        [](const PoseGuess& a, const PoseGuess& b) { return a.weight < b.weight; });
+  s.put(mixture_start(s.map, guesses, s.config.most_particles(), s.config.seed, step),
+        PoseEstimate{g.pose, covariance_of(g.sigma_xy_m, g.sigma_xy_m, g.sigma_theta_rad), 1.0, 1.0});
+}
+
+void ParticleFilter::relocate(const Pose& pose, const Covariance& covariance) {
+  State& s = state();
+  s.expect_started();
+  check_start(s.map, pose, covariance);
+  const auto step = static_cast<std::uint32_t>(s.steps);
+  s.put(gaussian_start(s.map, pose, root_of(covariance), s.config.most_particles(), s.config.seed, step),
+        PoseEstimate{pose, covariance, 1.0, 1.0});
+}
+
+/// About a pose where the robot is at the last step's odometry.
+void ParticleFilter::State::put(ParticleSet set, const PoseEstimate& there) {
+  const std::optional<OdometryMemory>& reading = front_end.last_reading();
+  put(std::move(set), reading ? std::optional(reading->pose) : std::nullopt);
+  given = there;
+  given_s = reading ? std::optional(reading->stamp_s) : std::nullopt;
+}
+
+void ParticleFilter::State::put(ParticleSet set, const std::optional<Pose>& odometry) {
+  backend->upload(std::move(set));
+  front_end.set_odometry(odometry);
+  for (LidarState& lidar : lidars) lidar.odometry.reset();  // the next scan counts, however near
+  last = {};
+  started = true;
+}
+
+struct ParticleFilter::PreparedMap::Parts {
+  GridMap map;
+  std::unique_ptr<FilterBackend> backend;
+  double range_max_m;
+  const State* of;
+};
+ParticleFilter::PreparedMap::PreparedMap(std::unique_ptr<Parts> parts) : parts_(std::move(parts)) {}
+ParticleFilter::PreparedMap::PreparedMap(PreparedMap&&) noexcept = default;
+ParticleFilter::PreparedMap& ParticleFilter::PreparedMap::operator=(PreparedMap&&) noexcept = default;
+ParticleFilter::PreparedMap::~PreparedMap() = default;
+const GridMap& ParticleFilter::PreparedMap::map() const {
+  return parts_->map;
+}
+
+ParticleFilter::PreparedMap ParticleFilter::prepare_map(const GridMap& map) const {
+  const State& s = state();
+  auto parts = std::make_unique<PreparedMap::Parts>();
+  parts->backend = s.make_backend(map);
+  parts->map = map;
+  parts->range_max_m = s.range_max_m;
+  if (parts->range_max_m > 0.0) parts->backend->set_range_max(parts->range_max_m);
+  parts->of = &s;
+  return PreparedMap(std::move(parts));
+}
+
+void ParticleFilter::replace_map(PreparedMap prepared) {
+  State& s = state();
+  const std::unique_ptr<PreparedMap::Parts> parts = std::move(prepared.parts_);
+  if (parts == nullptr || parts->of != &s)
+    throw Error(ErrorKind::usage, "replace_map: expected a map that this filter has prepared");
+  ParticleSet set = s.started ? s.backend->download() : ParticleSet{};
+  in_other_grid(set, s.map.T_map_grid, parts->map.T_map_grid);
+  if (s.range_max_m > 0.0 && s.range_max_m != parts->range_max_m)
+    parts->backend->set_range_max(s.range_max_m);
+  if (s.started) parts->backend->upload(std::move(set));
+  s.backend = std::move(parts->backend);
+  s.map = std::move(parts->map);
 }
 
 void ParticleFilter::propose(const PoseGuess& guess, double share, const SlipPrior& slip) {
-  check({guess});
+  check_guesses({guess});
   State& s = state();
   ParticleSet set = s.backend->download();
   propose_particles(set, s.map, guess, share, slip, static_cast<std::uint32_t>(s.steps), s.config.seed);
@@ -197,19 +287,26 @@ bool ParticleFilter::counts(const Pose& odometry, const Scan& scan) const {
   return true;
 }
 
+/// The last estimate, moved by the odometry alone; its covariances stay those of the last scan.
+Estimate ParticleFilter::State::not_counted(const Pose& odometry, double stamp_s) {
+  why_skipped = "too little motion";
+  Estimate e = not_weighed();
+  e.stamp_s = stamp_s;
+  const Pose motion = relative(odometry, *front_end.odometry());
+  for (Pose* const pose : {&e.pose, &e.mean.mean, &e.cluster.mean}) *pose = compose(*pose, motion);
+  given = chosen_of(e, config);
+  given_s = stamp_s;
+  return e;
+}
+
 Estimate ParticleFilter::step(const Pose& recorded, const Scan& scan) {
   State& s = state();
-  if (!s.started) throw Error(ErrorKind::internal, "ParticleFilter::step before start_at or start_anywhere");
-  s.why_skipped = "too little motion, or odometry not finite";
-  const std::optional<OdometryReading> reading = s.front_end.take_odometry(scan.stamp_s, recorded);
+  const std::optional<OdometryReading> reading = s.take(recorded, scan);
   if (!reading) return s.not_weighed();
   const Pose odometry = reading->pose;
   const std::size_t lidar = s.lidar_of(scan);
-  if (!s.front_end.moved_enough(s.lidars[lidar].odometry, odometry)) {
-    Estimate e = s.not_weighed();
-    e.pose = compose(s.last.pose, relative(odometry, *s.front_end.odometry()));
-    return e;
-  }
+  if (!s.front_end.moved_enough(s.lidars[lidar].odometry, odometry))
+    return s.not_counted(odometry, scan.stamp_s);
   const bool weighted = s.take_in(scan, lidar);
   s.why_skipped = weighted ? "" : "too few beams";
   s.lidars[lidar].odometry = odometry;
@@ -225,9 +322,10 @@ Estimate ParticleFilter::step(const Pose& recorded, const Scan& scan) {
     s.backend->adapt(s.key(), s.may_widen_next());  // Fox 2003, where the number of particles is not fixed
     s.backend->resample(s.key());                   // algorithm 4, when N_eff or the scans ask for it
   }
-  const Estimate e = to_estimate(s.backend->finish(), s.config, s.map.T_map_grid, weighted);
+  Estimate e = to_estimate(s.backend->finish(), s.config, s.map.T_map_grid, weighted);
+  e.stamp_s = scan.stamp_s;
   if (weighted) s.watch_likelihood(e);
-  s.remember(e);
+  s.remember(e, chosen_of(e, s.config));
   return e;
 }
 

@@ -6,7 +6,7 @@
 #include <cstdint>
 
 #include "common/filter/filter_backend.h"
-#include "common/filter/pose_guess.h"
+#include "common/filter/pose/pose_guess.h"
 #include "common/map/grid_map.h"
 
 namespace parloc {

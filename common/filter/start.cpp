@@ -14,11 +14,13 @@ ParticleSet empty_set(std::int64_t particles) {
   return {std::vector<float>(n), std::vector<float>(n), std::vector<float>(n), std::vector<float>(n, 0.0f)};
 }
 
-/// Particle i: normals 0 to 2 are x, y, theta.
-void draw_about(const GridMap& map, const Pose& pose, double sx, double sy, double st, std::uint32_t step,
+/// Particle i: normals 0 to 2, times the root, are x, y, theta.
+void draw_about(const GridMap& map, const Pose& pose, const CovarianceRoot& root, std::uint32_t step,
                 std::uint64_t seed, ParticleSet& set, std::size_t i) {
   const Normals n = normals(philox(static_cast<std::uint32_t>(i), step, Stream::gaussian_start, 0, seed));
-  const Pose drawn{pose.x_m + sx * n.n[0], pose.y_m + sy * n.n[1], wrap64(pose.theta_rad + st * n.n[2])};
+  const double x = n.n[0], y = n.n[1], theta = n.n[2];
+  const Pose drawn{pose.x_m + root.xx * x, pose.y_m + (root.yx * x + root.yy * y),
+                   wrap64(pose.theta_rad + (root.tx * x + root.ty * y + root.tt * theta))};
   const Pose in_grid = relative(drawn, map.T_map_grid);
   set.x[i] = static_cast<float>(in_grid.x_m);
   set.y[i] = static_cast<float>(in_grid.y_m);
@@ -27,10 +29,10 @@ void draw_about(const GridMap& map, const Pose& pose, double sx, double sy, doub
 
 }  // namespace
 
-ParticleSet gaussian_start(const GridMap& map, const Pose& pose, double sx, double sy, double st,
-                           std::int64_t particles, std::uint64_t seed) {
+ParticleSet gaussian_start(const GridMap& map, const Pose& pose, const CovarianceRoot& root,
+                           std::int64_t particles, std::uint64_t seed, std::uint32_t step) {
   ParticleSet set = empty_set(particles);
-  for (std::size_t i = 0; i < set.x.size(); ++i) draw_about(map, pose, sx, sy, st, 0, seed, set, i);
+  for (std::size_t i = 0; i < set.x.size(); ++i) draw_about(map, pose, root, step, seed, set, i);
   return set;
 }
 
@@ -45,7 +47,8 @@ ParticleSet mixture_start(const GridMap& map, const std::vector<PoseGuess>& gues
     const double at = (static_cast<double>(i) + 0.5) / static_cast<double>(set.x.size()) * total;
     while (at > up_to && guess + 1 < guesses.size()) up_to += guesses[++guess].weight;
     const PoseGuess& g = guesses[guess];
-    draw_about(map, g.pose, g.sigma_xy_m, g.sigma_xy_m, g.sigma_theta_rad, step, seed, set, i);
+    const CovarianceRoot root{.xx = g.sigma_xy_m, .yy = g.sigma_xy_m, .tt = g.sigma_theta_rad};
+    draw_about(map, g.pose, root, step, seed, set, i);
   }
   return set;
 }

@@ -37,10 +37,10 @@ Covariance covariance_of(const Matrix3& p) {
   return c;
 }
 
-/// The start's Gaussian, whose axes are the map's, in the grid frame.
-PoseGaussian start_gaussian(const GridMap& map, const Pose& pose, double sx, double sy, double st) {
+/// The start's Gaussian in the grid frame.
+PoseGaussian start_gaussian(const GridMap& map, const Pose& pose, const Covariance& covariance) {
   const Pose in_grid = relative(pose, map.T_map_grid);
-  const Covariance c = turned({{sx * sx, 0, 0, 0, sy * sy, 0, 0, 0, st * st}}, -map.T_map_grid.theta_rad);
+  const Covariance c = turned(covariance, -map.T_map_grid.theta_rad);
   PoseGaussian g;
   g.mean[0] = in_grid.x_m, g.mean[1] = in_grid.y_m, g.mean[2] = in_grid.theta_rad;
   std::copy_n(c.v, 9, g.covariance.m);
@@ -119,7 +119,7 @@ bool FlowFilter::State::is_stiff(const FlowState& s) const {
 FlowFilter::FlowFilter(FlowMethod method, const FlowFilterConfig& config, const GridMap& map)
     : PoseFilter(std::make_unique<State>(method, config, map)) {
   validate(config);
-  check_has_free_cell(map);
+  check_map(map);
   State& s = state();
   std::string why;
   s.backend = make_flow_backend(
@@ -129,12 +129,11 @@ FlowFilter::FlowFilter(FlowMethod method, const FlowFilterConfig& config, const 
   s.why_skipped = text_of(FlowSkip::no_scan);
 }
 
-void FlowFilter::start_at(const Pose& pose, double sigma_x_m, double sigma_y_m, double sigma_theta_rad) {
+void FlowFilter::start_at(const Pose& pose, const Covariance& covariance) {
   State& s = state();
-  check_start(s.map, pose, sigma_x_m, sigma_y_m, sigma_theta_rad);
-  s.backend->start(
-      gaussian_start(s.map, pose, sigma_x_m, sigma_y_m, sigma_theta_rad, s.particles(), s.config.seed),
-      start_gaussian(s.map, pose, sigma_x_m, sigma_y_m, sigma_theta_rad));
+  check_start(s.map, pose, covariance);
+  s.backend->start(gaussian_start(s.map, pose, root_of(covariance), s.particles(), s.config.seed),
+                   start_gaussian(s.map, pose, covariance));
   s.begin();
   s.last.pose = pose;
   s.why_skipped = text_of(FlowSkip::no_scan);
@@ -143,8 +142,7 @@ void FlowFilter::start_at(const Pose& pose, double sigma_x_m, double sigma_y_m, 
 
 Estimate FlowFilter::step(const Pose& recorded, const Scan& scan) {
   State& s = state();
-  if (!s.started) throw Error(ErrorKind::internal, "FlowFilter::step before start_at");
-  const std::optional<OdometryReading> odometry = s.front_end.take_odometry(scan.stamp_s, recorded);
+  const std::optional<OdometryReading> odometry = s.take(recorded, scan);
   if (!odometry) return s.not_weighed();
   const FlowFilterConfig& c = s.config;
   // What the sensor models of a particle filter need of a beam is not read here.
@@ -154,10 +152,11 @@ Estimate FlowFilter::step(const Pose& recorded, const Scan& scan) {
   movement.elapsed_s = 0.0;  // flows have floors of their own
   const MotionStep motion = motion_step(movement, c.motion);
   const FlowState& after = s.backend->step(motion, s.key(), enough ? &s.beams : nullptr);
-  const Estimate e = s.to_estimate(after);
+  Estimate e = s.to_estimate(after);
+  e.stamp_s = scan.stamp_s;
   s.why_skipped = text_of(after.skip);
   s.stiff += s.is_stiff(after) ? 1 : 0;
-  s.remember(e);
+  s.remember(e, e.mean);
   return e;
 }
 

@@ -17,7 +17,9 @@ class FlowFilter final : public PoseFilter {
   /// Throws as ParticleFilter.
   FlowFilter(FlowMethod method, const FlowFilterConfig& config, const GridMap& map);
 
-  void start_at(const Pose& pose_in_map, double sigma_x_m, double sigma_y_m, double sigma_theta_rad) override;
+  using PoseFilter::start_at;
+  using PoseFilter::step;
+  void start_at(const Pose& pose_in_map, const Covariance& covariance) override;
   /// Estimate::mean has the filter's covariance (flow.prior), Estimate::cluster that of the particles.
   Estimate step(const Pose& odometry, const Scan& scan) override;
 

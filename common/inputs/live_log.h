@@ -3,6 +3,7 @@
 
 #include <string>
 #include <string_view>
+#include <vector>
 
 #include "common/inputs/robot_messages.h"
 #include "common/io/log.h"
@@ -22,6 +23,7 @@ class LiveLog final : public LogReader {
   }
   void forget() { messages_.forget(); }
   std::size_t troubles() const { return messages_.troubles(); }
+  std::vector<std::string> take_news() { return messages_.take_news(); }
   /// Scans that wait for a transform or the odometry.
   std::size_t waiting() const { return messages_.waiting(); }
 

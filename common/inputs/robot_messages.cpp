@@ -209,13 +209,13 @@ void RobotMessages::place_scans() {
       count_broken(broken.why);
     } catch (const Error& error) {
       if (!sources_.live) throw;
-      leave_out(error);
+      count(error.what());
     }
     drop_first();
   }
   while (!unplaced_.empty() && waits_too_long()) {
     if (!sources_.live) throw why_unplaced();
-    leave_out(why_unplaced());
+    count(why_unplaced().what());
     drop_first();
   }
 }
@@ -263,16 +263,18 @@ bool RobotMessages::is_mounted(const std::string& sensor) const {
   return std::find(choice_.mounted.begin(), choice_.mounted.end(), sensor) != choice_.mounted.end();
 }
 
-void RobotMessages::leave_out(const Error& why) {
-  const auto [at, first] = left_out_.emplace(why.what(), 0);
-  ++at->second;
-  if (first) tell(counted_, why.what());
+/// A log has a few lines of the first troubles, a robot that drives for a day the latest of them.
+void RobotMessages::count(const std::string& line) {
+  constexpr std::size_t most_news = 100;
   ++counted_.broken_lines;
+  if (!sources_.live)
+    tell(counted_, line);
+  else if (news_.size() < most_news)
+    news_.push_back(line);
 }
 
 void RobotMessages::count_broken(const std::string& why) {
-  ++counted_.broken_lines;
-  tell(counted_, fmt::format("{}: message {}: {}", sources_.name, line_, why));
+  count(fmt::format("{}: message {}: {}", sources_.name, line_, why));
 }
 
 bool RobotMessages::next(LogRecord& record) {

@@ -52,6 +52,8 @@ class RobotMessages {
   const OdometryJoiner& joiner() const { return joiner_; }
   /// Whatever was worked around so far.
   LogWarnings warnings() const;
+  /// Live: what was worked around since the last call, line by line, at most 100; warnings() do not have it.
+  std::vector<std::string> take_news() { return std::exchange(news_, {}); }
   /// Changes whenever there is something new in warnings().
   std::size_t troubles() const;
 
@@ -76,7 +78,7 @@ class RobotMessages {
   Error no_place(const Unplaced& scan) const;
   Error no_odometry() const;
   Error why_unplaced() const;
-  void leave_out(const Error& why);
+  void count(const std::string& line);
   bool is_mounted(const std::string& sensor) const;
   void count_broken(const std::string& why);
 
@@ -93,8 +95,8 @@ class RobotMessages {
   std::size_t line_ = 0;  ///< Of the messages that were taken.
   std::size_t placed_ = 0;
   LogWarnings counted_;
+  std::vector<std::string> news_;  ///< Live: lines that nobody has taken yet.
   std::map<std::string, std::string> frame_of_sensor_, sensor_on_;  ///< And the first sensor above a frame.
-  std::map<std::string, std::size_t> left_out_;                     ///< Live: scans, by the reason.
 };
 
 }  // namespace parloc

@@ -25,6 +25,7 @@ struct LiveLocalizer::State {
 
   Config config;
   std::optional<Localizer> localizer;
+  std::shared_ptr<std::vector<std::string>> warnings;  ///< Of the localizer.
   LiveScans scans;
   std::optional<LiveStart> wanted;  ///< What was said last, as long as no scan has been answered since.
   std::optional<Estimate> last;     ///< Since then.
@@ -82,12 +83,17 @@ LiveLocalizer::LiveLocalizer(LiveLocalizer&&) noexcept = default;
 LiveLocalizer& LiveLocalizer::operator=(LiveLocalizer&&) noexcept = default;
 
 PreparedLocalizer LiveLocalizer::prepare(const Config& config, const GridMap& map) {
-  return {config, Localizer(config, map)};
+  auto warnings = std::make_shared<std::vector<std::string>>();
+  Config live = config;
+  live.scan.check_stamps = true;
+  live.on_warning = [warnings](const std::string& line) { warnings->push_back(line); };
+  return {live, Localizer(live, map), warnings};
 }
 
 void LiveLocalizer::put(PreparedLocalizer prepared) {
   state_->config = std::move(prepared.config);
   state_->localizer.emplace(std::move(prepared.localizer));
+  state_->warnings = std::move(prepared.warnings);
   state_->go_on();
 }
 
@@ -140,7 +146,10 @@ std::size_t LiveLocalizer::waiting() const {
 }
 
 std::vector<std::string> LiveLocalizer::troubles() {
-  return state_->scans.troubles();
+  State& s = *state_;
+  if (s.warnings)
+    for (const std::string& line : std::exchange(*s.warnings, {})) s.scans.tell(line);
+  return s.scans.troubles();
 }
 
 }  // namespace parloc

@@ -28,6 +28,7 @@ struct LiveAnswer {
 struct PreparedLocalizer {
   Config config;
   Localizer localizer;
+  std::shared_ptr<std::vector<std::string>> warnings;  ///< Where the localizer tells what it notices.
 };
 
 /// Where a robot is, as far as is known. Without a pose it may be anywhere.
@@ -48,7 +49,8 @@ class LiveLocalizer {
   LiveLocalizer(LiveLocalizer&&) noexcept;
   LiveLocalizer& operator=(LiveLocalizer&&) noexcept;
 
-  /// Everything that depends on map and settings; may run in another thread. Throws as Localizer.
+  /// Everything that depends on map and settings; may run in another thread. Scans whose stamps make no sense
+  /// are refused (scan.check_stamps), whatever the settings say. Throws as Localizer.
   static PreparedLocalizer prepare(const Config& config, const GridMap& map);
   /// The next scan is answered by this one. The robot is where the one before had it, or where start() says.
   /// Frames and topics stay those of the constructor.

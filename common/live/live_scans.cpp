@@ -27,6 +27,7 @@ std::vector<std::string> LiveScans::troubles() {
     const LogWarnings& now = log_.warnings();
     for (const LogNote& note : now.notes) tell(note.lidar + ": " + note.text);
     for (const std::string& line : now.messages) tell(line);
+    for (const std::string& line : log_.take_news()) tell(line);
   }
   return std::exchange(told_, {});
 }

@@ -2,6 +2,7 @@
 
 #include <utility>
 
+#include "common/error.h"
 #include "common/localize/localizer_state.h"
 #include "common/localize/map_error.h"
 #include "common/math/portable64.h"
@@ -32,6 +33,19 @@ void Localizer::State::begin(bool is_lost, bool is_settled, const SearchPrior& k
   d.placed = !is_lost;
   d.lost = is_lost;
   d.settled = is_settled;
+  started = true;
+}
+
+/// By somebody who sees the robot.
+void Localizer::State::told(bool is_settled, const PoseEstimate& where) {
+  Drive before = std::move(d);
+  begin(false, is_settled, {});
+  d.novelty = before.novelty;
+  d.missing = std::move(before.missing);
+  d.searches = before.searches;
+  judge.set_lost(d.missing.share());
+  d.given = where;
+  d.given_s = before.given_s;
 }
 
 /// If the scan fits the prediction badly, the wheels may have slipped: what explains it near by is proposed
@@ -114,7 +128,7 @@ void Localizer::State::watch(const Now& now, LocalizerEstimate& out) {
 Localizer::Localizer(const LocalizerConfig& config, const GridMap& map)
     : state_(std::make_unique<State>(config, map)) {
   validate(config.search);
-  if (config.localize.recover || config.localize.slips) (void)state_->near_by();  // not while it drives
+  if (state_->searches()) (void)state_->near_by();  // not while it drives
 }
 Localizer::~Localizer() = default;
 Localizer::Localizer(Localizer&&) noexcept = default;
@@ -124,6 +138,24 @@ void Localizer::start_at(const Pose& pose_in_map, double sigma_x_m, double sigma
                          double sigma_theta_rad) {
   state_->filter.start_at(pose_in_map, sigma_x_m, sigma_y_m, sigma_theta_rad);
   state_->begin(false, true, {});
+}
+
+void Localizer::start_at(const Pose& pose_in_map, const Covariance& covariance) {
+  state_->filter.start_at(pose_in_map, covariance);
+  state_->begin(false, true, {});
+}
+
+void Localizer::relocate(const Pose& pose_in_map, const Covariance& covariance) {
+  state_->filter.relocate(pose_in_map, covariance);
+  state_->told(true, {pose_in_map, covariance, 1.0, 1.0});
+}
+
+void Localizer::relocate(const std::vector<PoseGuess>& guesses) {
+  state_->filter.relocate(guesses);
+  const PoseGuess& first = guesses.front();
+  state_->told(
+      guesses.size() == 1,
+      {first.pose, covariance_of(first.sigma_xy_m, first.sigma_xy_m, first.sigma_theta_rad), 1.0, 1.0});
 }
 
 void Localizer::start_at(const std::vector<PoseGuess>& guesses) {
@@ -150,21 +182,52 @@ void Localizer::weigh_next() {
 
 LocalizerEstimate Localizer::step(const Pose& recorded, const Scan& scan) {
   State& s = *state_;
+  s.expect_takes(scan, recorded);
+  if (s.filter.refuses(scan)) return s.step(std::nullopt, recorded, scan);
+  return s.step(s.filter.prepare_odometry(scan.stamp_s, recorded), recorded, scan);
+}
+
+LocalizerEstimate Localizer::step(const Scan& scan) {
+  State& s = *state_;
+  s.expect_takes(scan, {});
+  if (s.filter.refuses(scan)) return s.step(std::nullopt, {}, scan);
+  return s.step(s.filter.prepare_odometry(scan.stamp_s), {}, scan);
+}
+
+/// Before anything has changed.
+void Localizer::State::expect_takes(const Scan& scan, const Pose& recorded) const {
+  if (!started) throw Error(ErrorKind::usage, "a step before a start: call start_at or start_anywhere first");
+  if (is_finite(recorded)) filter.check(scan);
+}
+
+LocalizerEstimate Localizer::State::step(const std::optional<OdometryReading>& reading, const Pose& recorded,
+                                         const Scan& scan) {
   LocalizerEstimate out;
-  const std::optional<OdometryReading> reading = s.filter.prepare_odometry(scan.stamp_s, recorded);
-  if (reading && s.filter.counts(reading->pose, scan)) {
-    const BeamTable beams = s.filter.beams(scan);
-    const State::Now now{reading->pose, reading->elapsed_s, beams};
-    s.settle(now, out);
-    if (!s.d.lost || s.d.placed) s.look_for_slips(now);
-    out.filter = s.filter.step(recorded, scan);
-    if (out.filter.weighted) s.watch(now, out);
+  if (reading && filter.counts(reading->pose, scan)) {
+    const BeamTable beams = filter.beams(scan);
+    const Now now{reading->pose, reading->elapsed_s, beams};
+    settle(now, out);
+    if (!d.lost || d.placed) look_for_slips(now);
+    out.filter = filter.step(recorded, scan);
+    if (out.filter.weighted) watch(now, out);
   } else {
-    out.filter = s.filter.step(recorded, scan);  // nothing moves, nothing is learnt
+    out.filter = filter.step(recorded, scan);  // nothing is weighed, nothing is learnt
+    if (d.given_s) out.filter.covariance = d.given.covariance;
   }
-  out.health = s.d.last;
-  if (out.health.state == HealthState::ambiguous) out.modes = find_modes(s.filter.particles(), kLeastMode);
+  if (reading) {
+    const PoseEstimate& heaviest = out.filter.cluster;
+    d.given = {out.filter.pose, out.filter.covariance, heaviest.weight, heaviest.heading_resultant};
+    d.given_s = out.filter.stamp_s;
+  }
+  out.health = d.last;
+  if (out.health.state == HealthState::ambiguous) out.modes = find_modes(filter.particles(), kLeastMode);
   return out;
+}
+
+PoseEstimate Localizer::predict(double stamp_s) const {
+  const State& s = *state_;
+  if (!s.d.given_s) throw Error(ErrorKind::usage, "predict before the first step: call step first");
+  return s.filter.predict_from(s.d.given, *s.d.given_s, stamp_s);
 }
 
 const ParticleFilter& Localizer::filter() const {

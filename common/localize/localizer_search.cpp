@@ -4,6 +4,7 @@
 #include <limits>
 #include <utility>
 
+#include "common/error.h"
 #include "common/localize/localizer_state.h"
 
 namespace parloc {
@@ -36,18 +37,65 @@ std::int64_t slice_of(double elapsed_s) {
 
 }  // namespace
 
+namespace {
+
+std::unique_ptr<SlipSearch> make_slip_search(const GridMap& map, const LocalizerConfig& config,
+                                             const GlobalSearch& whole) {
+  ComputeConfig one = config;
+  one.threads = 1;  // less than a millisecond of work: to wake others takes as long
+  return std::make_unique<SlipSearch>(map, config.search, one, &whole);
+}
+
+}  // namespace
+
 GlobalSearch& Localizer::State::whole_map() {
   if (!search) search = std::make_unique<GlobalSearch>(filter.map(), config.search, config);
   return *search;
 }
 
 SlipSearch& Localizer::State::near_by() {
-  if (!slips) {
-    ComputeConfig one = config;
-    one.threads = 1;  // less than a millisecond of work: to wake others takes as long
-    slips = std::make_unique<SlipSearch>(filter.map(), config.search, one, &whole_map());
-  }
+  if (!slips) slips = make_slip_search(filter.map(), config, whole_map());
   return *slips;
+}
+
+struct Localizer::PreparedMap::Parts {
+  ParticleFilter::PreparedMap filter;
+  PlaceEvidence judge;
+  std::unique_ptr<GlobalSearch> search;
+  std::unique_ptr<SlipSearch> slips;
+};
+Localizer::PreparedMap::PreparedMap(std::unique_ptr<Parts> parts) : parts_(std::move(parts)) {}
+Localizer::PreparedMap::PreparedMap(PreparedMap&&) noexcept = default;
+Localizer::PreparedMap& Localizer::PreparedMap::operator=(PreparedMap&&) noexcept = default;
+Localizer::PreparedMap::~PreparedMap() = default;
+const GridMap& Localizer::PreparedMap::map() const {
+  return parts_->filter.map();
+}
+
+Localizer::PreparedMap Localizer::prepare_map(const GridMap& map) const {
+  const LocalizerConfig& c = state_->config;
+  auto parts = std::make_unique<PreparedMap::Parts>(PreparedMap::Parts{
+      state_->filter.prepare_map(map), PlaceEvidence(map, c.search.effective_beams), {}, {}});
+  if (state_->searches()) {
+    parts->search = std::make_unique<GlobalSearch>(map, c.search, c);
+    parts->slips = make_slip_search(map, c, *parts->search);
+  }
+  return PreparedMap(std::move(parts));
+}
+
+void Localizer::replace_map(PreparedMap prepared) {
+  State& s = *state_;
+  const std::unique_ptr<PreparedMap::Parts> parts = std::move(prepared.parts_);
+  if (parts == nullptr)
+    throw Error(ErrorKind::usage, "replace_map: expected a map that this localizer has prepared");
+  s.filter.replace_map(std::move(parts->filter));
+  parts->judge.go_on_from(std::move(s.judge));
+  s.judge = std::move(parts->judge);
+  if (s.search && s.search->under_way()) s.d.searched_odometry.reset();  // due again
+  s.search = std::move(parts->search);
+  s.slips = std::move(parts->slips);
+  s.d.rivals.clear();
+  s.d.expected.reset();
 }
 
 bool Localizer::State::search_is_due(const Pose& odometry) const {

@@ -35,6 +35,12 @@ struct Localizer::State {
       : config(c), filter(c, map), judge(map, c.search.effective_beams) {}
 
   void begin(bool is_lost, bool is_settled, const SearchPrior& known);
+  void told(bool is_settled, const PoseEstimate& where);
+  void expect_takes(const Scan& scan, const Pose& recorded) const;
+  /// After the filter was asked for its odometry.
+  LocalizerEstimate step(const std::optional<OdometryReading>& reading, const Pose& recorded,
+                         const Scan& scan);
+  bool searches() const { return config.localize.recover || config.localize.slips; }
   GlobalSearch& whole_map();
   SlipSearch& near_by();
   std::vector<Mode> modes_at(const Pose& odometry) const;
@@ -54,7 +60,8 @@ struct Localizer::State {
   JudgedPlace judge_estimate(const BeamTable& beams, const Pose& pose);
   void watch(const Now& now, LocalizerEstimate& out);
 
-  LocalizerConfig config;
+  const LocalizerConfig config;
+  bool started = false;
   ParticleFilter filter;
   std::unique_ptr<GlobalSearch> search;  // made when there is something to search
   std::unique_ptr<SlipSearch> slips;     // likewise
@@ -83,6 +90,8 @@ struct Localizer::State {
     bool trusted = false;         // it has shown itself, and was not lost since
     std::size_t unexplained = 0;  // scans in a row that fitted badly where the robot was expected
     Health last;
+    PoseEstimate given;             // the last pose that was given out, ...
+    std::optional<double> given_s;  // ... and its time
   };
   Drive d;
 };

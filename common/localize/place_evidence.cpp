@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include "common/math/portable.h"
 #include "common/search/hypotheses.h"
@@ -21,10 +22,18 @@ void sort_by_share(std::vector<JudgedPlace>& places) {
 }
 
 PlaceEvidence::PlaceEvidence(const GridMap& map, double effective_beams)
-    : evidence_(map), T_map_grid_(map.T_map_grid), effective_beams_(effective_beams) {}
+    : evidence_(map),
+      T_map_grid_(map.T_map_grid),
+      resolution_m_(map.resolution_m),
+      effective_beams_(effective_beams) {}
 
 void PlaceEvidence::forget() {
   scans_.clear();
+}
+
+void PlaceEvidence::go_on_from(PlaceEvidence&& before) {
+  lost_ = before.lost_;
+  if (resolution_m_ == before.resolution_m_) scans_ = std::move(before.scans_);  // their ends are in cells
 }
 
 bool PlaceEvidence::remember(const Pose& odometry, const BeamTable& beams) {

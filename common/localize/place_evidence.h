@@ -36,6 +36,9 @@ class PlaceEvidence {
   PlaceEvidence(const GridMap& map, double effective_beams);
 
   void forget();
+  /// Remembers on another map what `before` remembers, and what was set there. Scans only if cells are as
+  /// large.
+  void go_on_from(PlaceEvidence&& before);
   std::size_t remembered() const { return scans_.size(); }
   /// Independent beams that the verdicts of now rest on: differences of evidence times this are log-odds.
   double worth() const;
@@ -67,7 +70,7 @@ class PlaceEvidence {
   };
   ScanEvidence evidence_;
   Pose T_map_grid_;
-  double effective_beams_, lost_ = 0.0;
+  double resolution_m_, effective_beams_, lost_ = 0.0;
   std::vector<Remembered> scans_;  // the newest last
 };
 

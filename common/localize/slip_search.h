@@ -4,8 +4,8 @@
 #include <memory>
 #include <optional>
 
-#include "common/filter/compute_config.h"
-#include "common/filter/pose_guess.h"
+#include "common/filter/pose/pose_guess.h"
+#include "common/filter/steps/compute_config.h"
 #include "common/map/grid_map.h"
 #include "common/model/beams.h"
 #include "common/search/global_search.h"

@@ -1,5 +1,8 @@
 #include "common/map/grid_map.h"
 
+#include <fmt/format.h>
+
+#include <algorithm>
 #include <cmath>
 
 #include "common/error.h"
@@ -49,6 +52,32 @@ Cell GridMap::at_point(double x_m, double y_m) const {
   const double j = std::floor(p.y_m / resolution_m);
   if (!(i >= 0.0 && j >= 0.0 && i < width && j < height)) return Cell::unknown;  // outside, or not a number
   return at(static_cast<std::int32_t>(i), static_cast<std::int32_t>(j));
+}
+
+void validate(const GridMap& map) {
+  const auto expect = [&](bool good, const std::string& what) {
+    if (!good)
+      throw Error(ErrorKind::input, (map.name.empty() ? "map" : map.name) + ": expected a map with " + what);
+  };
+  const auto is_side = [](std::int32_t cells) { return cells >= 1 && cells <= kMaxMapSide; };
+  expect(is_side(map.width) && is_side(map.height),
+         fmt::format("sides of 1 to {} cells, got {} x {}", kMaxMapSide, map.width, map.height));
+  const auto size = static_cast<std::size_t>(map.width) * static_cast<std::size_t>(map.height);
+  expect(map.size() == size,
+         fmt::format("{} x {} = {} cells, got {}", map.width, map.height, size, map.size()));
+  const auto is_cell = [](Cell c) { return c == Cell::free || c == Cell::occupied || c == Cell::unknown; };
+  expect(std::all_of(map.cells.begin(), map.cells.end(), is_cell),
+         "cells that are free, occupied or unknown");
+  expect(map.resolution_m >= kFinestResolution_m && map.resolution_m <= kCoarsestResolution_m,
+         fmt::format("a resolution of {} to {} m, got {}", kFinestResolution_m, kCoarsestResolution_m,
+                     map.resolution_m));
+  expect(is_finite(map.T_map_grid),
+         fmt::format("an origin that is finite, got ({}, {}, {})", map.T_map_grid.x_m, map.T_map_grid.y_m,
+                     map.T_map_grid.theta_rad));
+  const auto is_wall = [](const GridWall& w) {
+    return std::isfinite(w.ax) && std::isfinite(w.ay) && std::isfinite(w.bx) && std::isfinite(w.by);
+  };
+  expect(std::all_of(map.walls.begin(), map.walls.end(), is_wall), "walls that are finite");
 }
 
 std::vector<std::uint8_t> blocking_cells(const GridMap& map, bool unknown_blocks) {

@@ -46,6 +46,11 @@ struct GridMap {
   Cell at_point(double x_m, double y_m) const;
 };
 
+/// Whether it is a map. Throws Error{input} naming the map and what was expected: sides of 1 to 32767 cells,
+/// width * height cells, each free, occupied or unknown, a resolution of 0.0001 to 1000 m, an origin and
+/// walls that are finite.
+void validate(const GridMap& map);
+
 /// Which cells end a ray, and which are the walls that a distance is measured to: 1 for an occupied cell, and
 /// for an unknown one if unknown_blocks; else 0.
 std::vector<std::uint8_t> blocking_cells(const GridMap& map, bool unknown_blocks);

@@ -143,6 +143,7 @@ void check_writable(const std::string& yaml_path, const fs::path& image_path, co
     fail(fmt::format("a map of {} x {} with {} cells cannot be written: expected sides from 1 to {}",
                      map.width, map.height, map.size(), kMaxMapSide));
   }
+  validate(map);
 }
 
 }  // namespace

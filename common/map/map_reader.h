@@ -50,7 +50,8 @@ GreyImage read_pgm(const std::uint8_t* data, std::size_t size, const std::string
 GreyImage read_png(const std::uint8_t* data, std::size_t size, const std::string& name);
 GreyImage read_bmp(const std::uint8_t* data, std::size_t size, const std::string& name);
 
-/// Writes `path` (YAML) and the PGM of the same stem beside it, trinary. Throws Error{output}.
+/// Writes `path` (YAML) and the PGM of the same stem beside it, trinary. Throws Error{output}, and
+/// Error{input} for a map that is none (validate).
 void write_map(const std::string& yaml_path, const GridMap& map);
 
 }  // namespace parloc

@@ -92,6 +92,7 @@ std::string json_text(const std::string& text) {
 void refuse_no_walls(const GridMap& map) {
   if (map.walls.empty())
     throw Error(ErrorKind::output, map.name + ": has no walls to write: expected a segment map");
+  validate(map);
 }
 
 }  // namespace

@@ -25,6 +25,25 @@ void check_each_beam(const Scan& scan, const std::vector<double>& values, const 
       throw Error(ErrorKind::input, "scan " + scan.sensor + ": expected " + what + " that are finite");
 }
 
+/// Numbers of a scan that count, since `lidar` says nothing over them.
+void check_numbers(const Scan& scan, const LidarConfig& lidar) {
+  const auto expect = [&](bool counts, double value, const char* what) {
+    if (counts && !std::isfinite(value))
+      throw Error(ErrorKind::input, "scan " + scan.sensor + ": expected " + what + " that is finite, got " +
+                                        std::to_string(value));
+  };
+  const bool even = scan.bearings_rad.empty();
+  expect(true, scan.stamp_s, "a stamp_s");
+  expect(!lidar.x, scan.T_base_sensor.x_m, "a T_base_sensor.x_m");
+  expect(!lidar.y, scan.T_base_sensor.y_m, "a T_base_sensor.y_m");
+  expect(!lidar.yaw, scan.T_base_sensor.theta_rad, "a T_base_sensor.theta_rad");
+  expect(even && !lidar.angle_min, scan.angle_min_rad, "an angle_min_rad");
+  expect((even || lidar.angle_min) && !lidar.angle_step, scan.angle_step_rad, "an angle_step_rad");
+  expect(!lidar.min_range, scan.range_min_m, "a range_min_m");
+  expect(!lidar.max_range, scan.range_max_m, "a range_max_m");
+  expect(!lidar.scan_time && scan.beam_times_s.empty(), scan.scan_time_s, "a scan_time_s");
+}
+
 }  // namespace
 
 const LidarConfig* find_lidar(const std::vector<LidarConfig>& lidars, const std::string& name) {
@@ -34,14 +53,15 @@ const LidarConfig* find_lidar(const std::vector<LidarConfig>& lidars, const std:
 }
 
 LidarSetup lidar_setup(const Scan& scan, const ScanConfig& config, const LidarConfig* lidar) {
+  static const LidarConfig nothing;
+  const LidarConfig& l = lidar != nullptr ? *lidar : nothing;
+  check_numbers(scan, l);
   check_each_beam(scan, scan.bearings_rad, "bearings_rad");
   check_each_beam(scan, scan.beam_times_s, "beam_times_s");
   const auto& b = scan.bearings_rad;
   if (!std::is_sorted(b.begin(), b.end()) && !std::is_sorted(b.rbegin(), b.rend()))
     throw Error(ErrorKind::input, "scan " + scan.sensor + ": expected bearings_rad in order");
 
-  static const LidarConfig nothing;
-  const LidarConfig& l = lidar != nullptr ? *lidar : nothing;
   LidarSetup s;
   s.T_base_sensor = {l.x.value_or(scan.T_base_sensor.x_m), l.y.value_or(scan.T_base_sensor.y_m),
                      l.yaw.value_or(scan.T_base_sensor.theta_rad)};

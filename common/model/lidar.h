@@ -31,8 +31,8 @@ struct LidarSetup {
 const LidarConfig* find_lidar(const std::vector<LidarConfig>& lidars, const std::string& name);
 
 /// Lives no longer than `lidar`. `lidar`, if any, first; then the scan itself; then `config`. Throws
-/// Error{input} for a scan whose bearings or times are not one per range, not finite, or (bearings) not in
-/// order.
+/// Error{input} for a scan whose stamp, mount, angles, range limits or time are not finite where they count,
+/// or whose bearings or times are not one per range, not finite, or (bearings) not in order.
 LidarSetup lidar_setup(const Scan& scan, const ScanConfig& config, const LidarConfig* lidar = nullptr);
 
 /// When beam i was taken, relative to the scan's stamp.

@@ -149,6 +149,8 @@ void add_settings(Settings& s, ScanConfig& scan) {
   s.add("scan_time", "From a scan's first beam to its last, where the log gives none [s]", scan.scan_time,
         {0, 1});
   s.add("stamp_at", "The beam that a scan's stamp is the time of", scan.stamp_at, kStampAts);
+  s.add("check_stamps", "Refuse a LiDAR's scan that came twice, or is 2 s older than its newest",
+        scan.check_stamps);
 }
 
 void add_settings(Settings& s, SensorConfig& sensor) {

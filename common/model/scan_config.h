@@ -19,6 +19,10 @@ struct ScanConfig {
   ZeroPolicy zero_policy = ZeroPolicy::invalid;
   double scan_time = 0.0;             ///< From the first beam to the last, where the log does not say [s].
   StampAt stamp_at = StampAt::first;  ///< As in ROS.
+  /// Of one LiDAR's scans, refuse one with the stamp of the last or of the newest (it came twice), and one
+  /// that is more than 2 s older than the newest (its odometry is no longer remembered), unless three of
+  /// those in a row show that the clock was set back. For a robot; logs are taken as they are.
+  bool check_stamps = false;
 };
 
 /// From one angle counter-clockwise to another, both included: [3.0, -3.0] crosses the back [rad].

@@ -13,6 +13,7 @@
 #include "common/search/judge_places.h"
 #include "common/search/lattice_search.h"
 #include "common/search/search_backend.h"
+#include "common/search/search_parts.h"
 #include "common/search/search_task.h"
 
 namespace parloc {
@@ -152,7 +153,9 @@ GlobalSearch::GlobalSearch(const GridMap& map, const SearchConfig& config, const
 GlobalSearch::GlobalSearch(const GridMap& map, const SearchConfig& config, const ComputeConfig& compute,
                            const GlobalSearch* beside) {
   validate(config);
-  expect(compute.threads >= 0 && compute.threads <= 4096, "threads", "a whole number from 0 to 4096");
+  validate(map);
+  if (compute.threads < 0 || compute.threads > 4096)
+    throw Error(ErrorKind::config, "threads: expected a whole number from 0 to 4096");
   state_ = std::make_unique<State>(map, config, compute,
                                    beside != nullptr
                                        ? beside->state_->shared
@@ -204,13 +207,14 @@ SearchResult GlobalSearch::result() const {
   return result;
 }
 
-std::vector<LatticePose> GlobalSearch::search_lattice(const BeamTable& beams, const SearchPrior& prior,
-                                                      std::size_t most) {
-  state_->lattice_only = true;
-  state_->begin(beams, prior, most);
-  while (!advance(kWhole)) {
+std::vector<LatticePose> SearchParts::search_lattice(const BeamTable& beams, const SearchPrior& prior,
+                                                     std::size_t most) {
+  GlobalSearch::State& s = *search_.state_;
+  s.lattice_only = true;
+  s.begin(beams, prior, most);
+  while (!search_.advance(kWhole)) {
   }
-  return state_->places.taken();
+  return s.places.taken();
 }
 
 SearchResult GlobalSearch::search(const BeamTable& beams, const SearchPrior& prior) {
@@ -220,18 +224,19 @@ SearchResult GlobalSearch::search(const BeamTable& beams, const SearchPrior& pri
   return result();
 }
 
-SearchResult GlobalSearch::search(const Scan& scan, const ScanConfig& scan_config, const SearchPrior& prior) {
+SearchResult GlobalSearch::search(const Scan& scan, const StepConfig& config, const SearchPrior& prior) {
   State& s = *state_;
   BeamCounts counts;
-  select_beams(scan, scan_config, default_sensor(SensorModel::beam), s.resolution_m, s.selected, counts);
+  const LidarSetup setup = lidar_setup(scan, config.scan, find_lidar(config.lidars, scan.sensor));
+  select_beams(scan, setup, nullptr, default_sensor(SensorModel::beam), s.resolution_m, s.selected, counts);
   return search(s.selected, prior);
 }
 
-const SearchMap& GlobalSearch::map() const {
-  return state_->map;
+const SearchMap& SearchParts::map() const {
+  return search_.state_->map;
 }
-const SearchScan& GlobalSearch::scan() const {
-  return state_->scan;
+const SearchScan& SearchParts::scan() const {
+  return search_.state_->scan;
 }
 std::string GlobalSearch::backend_name() const {
   return state_->backend->name();

@@ -8,19 +8,15 @@
 #include <string>
 #include <vector>
 
-#include "common/filter/compute_config.h"
+#include "common/filter/steps/compute_config.h"
+#include "common/filter/steps/step_config.h"
 #include "common/map/grid_map.h"
 #include "common/math/pose.h"
+#include "common/model/beam_table.h"
 #include "common/model/scan.h"
-#include "common/model/scan_config.h"
 #include "common/search/search_config.h"
 
 namespace parloc {
-
-struct BeamTable;
-struct LatticePose;
-struct SearchMap;
-struct SearchScan;
 
 /// One place where the scan may have been taken. Shares are of all beams, hits and misses.
 struct Hypothesis {
@@ -55,8 +51,11 @@ void validate(const SearchConfig& config);
 ///   const SearchResult result = search.result();
 class GlobalSearch {
  public:
-  /// Everything that depends on the map alone. Throws Error{input} for a map without free cells,
-  /// Error{config} for an impossible configuration, Error{backend} if the backend is not there.
+  /// Everything that depends on the map alone. `compute`, which is no part of SearchConfig, is all cores of
+  /// the CPU or the first CUDA device unless it is given: a filter's configuration is one, so that
+  /// GlobalSearch(map, config.search, config) works where that filter does. Throws Error{input} for a map
+  /// that is none (validate) or has no free cell, Error{config} for an impossible configuration,
+  /// Error{backend} if the backend is not there.
   explicit GlobalSearch(const GridMap& map, const SearchConfig& config = {},
                         const ComputeConfig& compute = {});
   /// A second one of the same map, for searches while the first is under way: shares what depends on the map.
@@ -70,12 +69,13 @@ class GlobalSearch {
   /// `beams` as select_beams makes them for this map. Without a hit there is no hypothesis. Throws
   /// Error{input} for a prior that is not finite or leaves no free cell.
   SearchResult search(const BeamTable& beams, const SearchPrior& prior = {});
-  /// The same for a scan taken in an instant.
-  SearchResult search(const Scan& scan, const ScanConfig& scan_config, const SearchPrior& prior = {});
+  /// The same for a scan taken in an instant; `config` says which beams count (scan) and where its LiDAR sits
+  /// (lidars): that of a filter will do. Throws Error{input} also for a scan that makes no sense.
+  SearchResult search(const Scan& scan, const StepConfig& config, const SearchPrior& prior = {});
 
-  /// Begins a search to be done in slices; any other is given up. Copies what it needs of `beams`. Takes far
-  /// less than a millisecond, but for a region of many blocks none of which has a free cell. Throws as
-  /// `search`; then none is under way.
+  /// Begins a search to be done in slices; any other is given up. `beams` may be ParticleFilter::beams().
+  /// Copies what it needs of `beams`. Takes far less than a millisecond, but for a region of many blocks none
+  /// of which has a free cell. Throws as `search`; then none is under way.
   void begin(const BeamTable& beams, const SearchPrior& prior = {});
   /// Does about so much work, but something, and at most one piece more than asked for: a row of blocks at
   /// one heading, or the judging of one place. True when there is no more to do. The unit is one beam looked
@@ -95,14 +95,11 @@ class GlobalSearch {
   /// All of the work that has been done since `begin`.
   std::int64_t work_done() const;
 
-  /// The exhaustive part alone: at most `most` separated poses of the lattice, best first.
-  std::vector<LatticePose> search_lattice(const BeamTable& beams, const SearchPrior& prior, std::size_t most);
-  const SearchMap& map() const;
-  const SearchScan& scan() const;  ///< Of the last search; offsets of the headings it was about.
   std::string backend_name() const;
   const std::string& backend_reason() const;  ///< One line on why this one was taken.
 
  private:
+  friend class SearchParts;
   struct State;
   std::unique_ptr<State> state_;
 };

@@ -261,6 +261,7 @@ Scan take_scan(const Scenario& scenario, const SimulatedLidar& lidar, std::uint3
 
 SimulatedLog simulate(const Scenario& scenario, const GridMap& map,
                       const std::function<bool(double fraction)>& keep_going) {
+  validate(map);
   const Drive drive = plan_drive(scenario.path);
   const Schedule schedule = make_schedule(scenario, drive.duration_s());
   check_path(scenario.path, map);

@@ -7,7 +7,7 @@
 #include "common/error.h"
 #include "common/file/bytes.h"
 #include "common/file/output_file.h"
-#include "common/filter/step_front_end.h"
+#include "common/filter/steps/step_front_end.h"
 #include "common/math/sha256.h"
 #include "common/slam/checkpoint_values.h"
 #include "common/slam/loops/close_loops.h"
@@ -208,6 +208,8 @@ void GridSlam::add_odometry(double stamp_s, const Pose& odometry) {
 
 bool GridSlam::step(const Pose& recorded, const Scan& scan) {
   State& s = *state_;
+  if (s.scan_odometry || is_finite(recorded)) s.front_end.check(scan);
+  if (!s.front_end.refuse(scan).empty()) return false;
   Pose odometry = recorded;
   if (!s.scan_odometry) {
     const std::optional<OdometryReading> reading = s.front_end.take_odometry(scan.stamp_s, recorded);

@@ -55,8 +55,9 @@ class GridSlam {
   void add_odometry(double stamp_s, const Pose& odometry);
   /// Takes a scan in if the robot has moved far enough since the last one that counted; whether it did. The
   /// map frame's origin is where the first scan was taken.
-  /// Non-finite odometry is skipped and counted. With slam.odometry `scans` the odometry handed over, here
-  /// and above, is not looked at.
+  /// Non-finite odometry is skipped and counted; a scan that scan.check_stamps refuses is skipped. Throws
+  /// Error{input} for a scan with numbers that are not finite or arrays that do not fit together. With
+  /// slam.odometry `scans` the odometry handed over, here and above, is not looked at.
   bool step(const Pose& odometry, const Scan& scan);
 
   /// Slot of the most likely particle.

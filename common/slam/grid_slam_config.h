@@ -1,7 +1,7 @@
 // What grid SLAM reads.
 #pragma once
 
-#include "common/filter/step_config.h"
+#include "common/filter/steps/step_config.h"
 #include "common/slam/slam_config.h"
 
 namespace parloc {

@@ -24,8 +24,9 @@ void add_slam_settings(Settings& s, SlamConfig& slam, int& max_beams, double& up
   s.add("clear_range", "Beams that saw nothing clear their way so far; 0: they say nothing [m]",
         slam.clear_range, {0.0, 200});
   s.add("usable_range", "Beams are cut here: farther ends are not used [m]", slam.usable_range, {0.1, 200});
-  s.add("update_min_d", "Take a scan in after this much translation [m]", update_min_d, {0, 100});
-  s.add("update_min_a", "... or after this much rotation [rad]", update_min_a, {0, 100});
+  s.add("update_min_d", "Take a scan in after this much translation [m]; 0: no criterion", update_min_d,
+        {0, 100});
+  s.add("update_min_a", "... or after this much rotation [rad]; both 0: every scan", update_min_a, {0, 100});
   s.add("resample_threshold", "Resample when N_eff < threshold * N; 1: every time", slam.resample_threshold,
         {0, 1});
   s.add("beta_weight", "Exponent of a scan's likelihood in the weights", slam.beta_weight, {0, 1, true});

@@ -25,7 +25,7 @@
 #include "common/math/portable64.h"
 #include "common/model/beams.h"
 #include "common/search/global_search.h"
-#include "common/search/search_map.h"
+#include "common/search/search_parts.h"
 #include "common/simulator/simulator.h"
 
 namespace parloc {
@@ -297,7 +297,8 @@ int run(const Options& o) {
   }
   if (tally.trials == 0) throw Error(ErrorKind::input, "no trial: the log and the truth do not overlap");
   report(o, tally, built_s, search,
-         static_cast<double>(search.map().free_count) * search.map().cell_m * search.map().cell_m);
+         static_cast<double>(SearchParts(search).map().free_count) * SearchParts(search).map().cell_m *
+             SearchParts(search).map().cell_m);
   return 0;
 }
 

@@ -21,7 +21,7 @@ parloc::GlobalSearch small_search() {
 
 void search(const parloc::Scan& scan) {
   static parloc::GlobalSearch search = small_search();
-  for (const parloc::Hypothesis& h : search.search(scan, parloc::ScanConfig{}).hypotheses) {
+  for (const parloc::Hypothesis& h : search.search(scan, parloc::StepConfig{}).hypotheses) {
     require(std::isfinite(h.pose.x_m) && std::isfinite(h.pose.y_m) && std::fabs(h.pose.theta_rad) < 3.2);
     require(std::isfinite(h.evidence) && h.score >= 0.0 && h.score <= 1.0);
     require(h.weight >= 0.0 && h.weight <= 1.0 && h.explained + h.through + h.unmapped < 1.001);

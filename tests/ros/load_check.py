@@ -58,7 +58,7 @@ def main(program, seconds):
             "min_particles": 2000, "resume_pose": False, "pose_file": str(work / "pose.json")})  # fmt: skip
         params = work / "params.yaml"
         params.write_text(json.dumps({"amcl": {"ros__parameters": values}}))
-        world, node = robot.World(), robot.AmclProcess(params, work / "node.log")
+        world, node = robot.World(), robot.NodeProcess(params, work / "node.log")
         try:
             world.bring_up()
             world.show_map(parloc.map_message(parloc.read_map(robot.ROOT / "maps" / "hall_obstacles.yaml")))
@@ -71,8 +71,8 @@ def main(program, seconds):
             scans = [stamp_s for name, stamp_s in sent_s if name == topic]
             world.wait_for(lambda: len(world.arrived_s) >= len(scans) - 1, 5.0)
             latency_ms = sorted(1e3 * (world.arrived_s[s] - sent_s[topic, s]) for s in scans if s in world.arrived_s)
-            print(f"{len(scans)} scans, {len(latency_ms)} answers; scan to pose: median {statistics.median(latency_ms):.2f} ms, "
-                  f"p99 {latency_ms[int(0.99 * len(latency_ms))]:.2f} ms, most {latency_ms[-1]:.2f} ms; "
+            print(f"{len(scans)} scans, {len(latency_ms)} answers; scan to pose: "
+                  f"median {statistics.median(latency_ms):.2f} ms, p99 {latency_ms[int(0.99 * len(latency_ms))]:.2f} ms, most {latency_ms[-1]:.2f} ms; "
                   f"node: {100 * cpu_share:.0f} % of a core")  # fmt: skip
             print(node.said(), end="")
         finally:

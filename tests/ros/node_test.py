@@ -19,8 +19,9 @@ except ImportError as error:
     print(f"no ROS 2 here: {error}")
     sys.exit(77)
 
+from std_srvs.srv import Empty, Trigger
+
 import parloc
-from std_srvs.srv import Empty
 
 ROOT, PROGRAM = robot.ROOT, sys.argv[-1]
 NAME = "malaga_corridor"
@@ -108,7 +109,7 @@ class NodeCase(unittest.TestCase):
         return path
 
     def run_node(self, params, map_bytes=None):
-        node = robot.AmclProcess(params, self.work / f"{self.id()}_{len(self.nodes)}.log")
+        node = robot.NodeProcess(params, self.work / f"{self.id()}_{len(self.nodes)}.log")
         self.nodes.append(node)
         self.assertTrue(self.world.bring_up(), node.said())
         self.world.show_map(map_bytes or self.map_bytes)
@@ -255,6 +256,27 @@ class Goes(NodeCase):
         self.assertEqual(self.world.state(), "active")
         self.play_all(20.0)
         self.assertTrue(self.answered(self.scans - 3))
+
+
+class Maps(NodeCase):
+    """The node slam."""
+
+    def test_a_map_grows_and_is_saved(self):
+        path = self.work / "made.yaml"
+        values = {"scan_topic": self.scan_topic, "base_frame_id": "base_link", "map_file": str(path)}
+        params = self.work / "slam.yaml"
+        params.write_text(json.dumps({"slam": {"ros__parameters": {**values, "map_update_interval": 0.0}}}))
+        self.world.hear_maps()
+        node = robot.NodeProcess(params, self.work / "slam.log", "slam")
+        self.nodes.append(node)
+        self.assertTrue(self.world.bring_up("slam"), node.said())
+        self.world.meet(self.messages)
+        self.world.play(self.messages, 5.0)
+        self.assertTrue(self.world.wait_for(lambda: len(self.world.maps) > 3), node.said())
+        self.assertGreater(self.world.maps[-1].info.width, self.world.maps[0].info.width)
+        answer = self.world.call(Trigger, "save_map", Trigger.Request())
+        self.assertTrue(answer.success, answer.message)
+        self.assertGreater(parloc.read_map(path).width, 100)
 
 
 if __name__ == "__main__":

@@ -45,12 +45,12 @@ def messages_of(bag):
         ]
 
 
-class AmclProcess:
-    """The node `amcl` in a process of its own."""
+class NodeProcess:
+    """A node of parloc_ros in a process of its own."""
 
-    def __init__(self, params_file, log_path):
+    def __init__(self, params_file, log_path, kind="amcl"):
         self._log = Path(log_path).open("w")  # noqa: SIM115
-        code = "from parloc_ros.amcl import main; main()"
+        code = f"from parloc_ros.{kind} import main; main()"
         command = [sys.executable, "-B", "-c", code, "--ros-args", "--params-file", str(params_file)]
         self.process = subprocess.Popen(command, stdout=self._log, stderr=subprocess.STDOUT)
         self.log_path = log_path
@@ -78,6 +78,7 @@ class World(Node):
         self.create_subscription(PoseWithCovarianceStamped, "amcl_pose", self._take_pose, RELIABLE)
         if hears_transforms:
             self.create_subscription(TFMessage, "/tf", self._take_transform, RELIABLE)
+        self.maps = []
         self._players = {}
         self._map = self.create_publisher(OccupancyGrid, "map", LATCHED)
         self._initial = self.create_publisher(PoseWithCovarianceStamped, "initialpose", RELIABLE)
@@ -94,6 +95,10 @@ class World(Node):
     def _take_transform(self, message):
         self.transforms += [t for t in message.transforms if t.header.frame_id == "map"]
 
+    def hear_maps(self):
+        """Where the node makes them."""
+        self.create_subscription(OccupancyGrid, "map", self.maps.append, LATCHED)
+
     def call(self, kind, name, request, timeout_s=20.0):
         client = self.create_client(kind, name)
         try:
@@ -106,18 +111,18 @@ class World(Node):
         finally:
             self.destroy_client(client)
 
-    def turn(self, transition):
+    def turn(self, transition, node="amcl"):
         request = ChangeState.Request(transition=Transition(id=transition))
-        return self.call(ChangeState, "/amcl/change_state", request).success
+        return self.call(ChangeState, f"/{node}/change_state", request).success
 
-    def bring_up(self):
+    def bring_up(self, node="amcl"):
         for _ in range(20):  # a node that was killed is still known for a while, and does not answer
             try:
-                if self.call(GetState, "/amcl/get_state", GetState.Request(), 2.0).current_state.label:
+                if self.call(GetState, f"/{node}/get_state", GetState.Request(), 2.0).current_state.label:
                     break
             except TimeoutError:
                 continue
-        return self.turn(Transition.TRANSITION_CONFIGURE) and self.turn(Transition.TRANSITION_ACTIVATE)
+        return self.turn(Transition.TRANSITION_CONFIGURE, node) and self.turn(Transition.TRANSITION_ACTIVATE, node)
 
     def state(self):
         return self.call(GetState, "/amcl/get_state", GetState.Request()).current_state.label

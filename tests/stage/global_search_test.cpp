@@ -12,6 +12,7 @@
 #include "common/search/global_search.h"
 #include "common/search/hypotheses.h"
 #include "common/search/search_backend.h"
+#include "common/search/search_parts.h"
 #include "tests/stage/search_scenes.h"
 #include "tests/unit/instruction_sets.h"
 #include "tests/unit/without_gpu.h"
@@ -23,10 +24,9 @@ using namespace test;
 
 /// The definition, word for word: every pose of the lattice; the best of each block and heading bin; greedily
 /// those apart.
-std::vector<LatticePose> brute_force(const GlobalSearch& search, const SearchConfig& config,
-                                     std::size_t most) {
-  const SearchGrid grid = search.map().view();
-  const SearchScan& scan = search.scan();
+std::vector<LatticePose> brute_force(GlobalSearch& search, const SearchConfig& config, std::size_t most) {
+  const SearchGrid grid = SearchParts(search).map().view();
+  const SearchScan& scan = SearchParts(search).scan();
   struct Champion {
     LatticePose pose;
     bool there = false;
@@ -62,7 +62,7 @@ std::vector<LatticePose> brute_force(const GlobalSearch& search, const SearchCon
   for (const LatticePose& p : poses) {
     bool apart = taken.size() < most;
     for (const LatticePose& q : taken) {
-      const double d = std::hypot(p.i - q.i, p.j - q.j) * search.map().cell_m;
+      const double d = std::hypot(p.i - q.i, p.j - q.j) * SearchParts(search).map().cell_m;
       const double turn = std::fabs(wrap64(2 * kPi * (p.k - q.k) / scan.headings));
       apart = apart && (d >= config.separation_m || turn >= config.separation_rad);
     }
@@ -89,7 +89,7 @@ TEST(GlobalSearch, FindsWhatASearchThroughEveryPoseFinds) {
   for (const Pose& place : places)
     for (const double fov_rad : {2 * kPi, 1.7}) {
       const Scan scan = seen_from(map, place, 90, fov_rad, 3.0);
-      const std::vector<LatticePose> found = search.search_lattice(beams_of(map, scan), {}, 30);
+      const std::vector<LatticePose> found = SearchParts(search).search_lattice(beams_of(map, scan), {}, 30);
       ASSERT_GE(found.size(), 2u);  // else there is little to compare
       expect_same(found, brute_force(search, config, 30));
     }
@@ -101,12 +101,12 @@ TEST(GlobalSearch, ABoundIsNeverBelowAScoreOfItsBlock) {
   // Far beams: most windows lie partly or wholly off the map.
   Scan scan = seen_from(map, in_rooms(5.1, 0.9, -2.2), 90, 2 * kPi, 20.0);
   for (std::size_t b = 0; b < scan.ranges_m.size(); b += 3) scan.ranges_m[b] *= 2.5f;
-  (void)search.search_lattice(beams_of(map, scan), {}, 1);
+  (void)SearchParts(search).search_lattice(beams_of(map, scan), {}, 1);
   SearchTask task;
-  task.grid = search.map().view();
-  task.offsets = search.scan().offsets.data();
-  task.beams = search.scan().beams;
-  task.headings = search.scan().headings;
+  task.grid = SearchParts(search).map().view();
+  task.offsets = SearchParts(search).scan().offsets.data();
+  task.beams = SearchParts(search).scan().beams;
+  task.headings = SearchParts(search).scan().headings;
   std::mt19937 random(5);
   const auto below = [&](std::int32_t n) {
     return static_cast<std::int32_t>(random() % static_cast<unsigned>(n));
@@ -159,7 +159,8 @@ TEST(GlobalSearchBackends, GpuEqualsCpu) {
   GlobalSearch cpu(two_rooms(), small_config(), kOnCpu);
   for (const double fov_rad : {2 * kPi, 1.2}) {
     const BeamTable beams = beams_of(two_rooms(), seen_from(two_rooms(), kSomewhere, 90, fov_rad, 3.0));
-    expect_same(gpu->search_lattice(beams, {}, 30), cpu.search_lattice(beams, {}, 30));
+    expect_same(SearchParts(*gpu).search_lattice(beams, {}, 30),
+                SearchParts(cpu).search_lattice(beams, {}, 30));
   }
 }
 

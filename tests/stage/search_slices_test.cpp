@@ -12,6 +12,7 @@
 #include "common/search/hypotheses.h"
 #include "common/search/lattice_search.h"
 #include "common/search/scan_evidence.h"
+#include "common/search/search_parts.h"
 #include "common/search/search_task.h"
 #include "common/simulator/simulator.h"
 #include "tests/stage/search_scenes.h"
@@ -262,7 +263,7 @@ TEST(SearchSlices, ThereIsNoResultBeforeTheEnd) {
   search.begin(beams);
   EXPECT_FALSE(search.advance(1000));
   EXPECT_THROW((void)search.result(), Error);
-  (void)search.search_lattice(beams, {}, 5);  // takes its place, and judges nothing
+  (void)SearchParts(search).search_lattice(beams, {}, 5);  // takes its place, and judges nothing
   EXPECT_FALSE(search.under_way());
   EXPECT_THROW((void)search.result(), Error);
   EXPECT_FALSE(in_slices(search, beams, {}, kWhole).result.hypotheses.empty());

@@ -8,7 +8,7 @@
 #include "common/math/portable64.h"
 #include "common/search/global_search.h"
 #include "common/search/hypotheses.h"
-#include "common/search/search_map.h"
+#include "common/search/search_parts.h"
 #include "common/simulator/simulator.h"
 #include "tests/unit/expect.h"
 
@@ -40,7 +40,7 @@ void expect_within(const Pose& pose, const Pose& truth, double within_m, double 
 
 /// What is found where the scan was taken, first of all; all around if its field of view is not said.
 void expect_found(GlobalSearch& search, const Scan& scan, const Pose& truth) {
-  const SearchResult r = search.search(scan, ScanConfig{});
+  const SearchResult r = search.search(scan, StepConfig{});
   ASSERT_FALSE(r.hypotheses.empty());
   expect_within(r.hypotheses[0].pose, truth, 0.07, 0.01);
 }
@@ -52,7 +52,7 @@ TEST(Locate, FindsPlacesInTheHall) {
   GlobalSearch search(read_map("maps/hall_obstacles.yaml"), {}, kOnCpu);
   const Pose places[] = {{2.0, 2.0, 0.3}, {8.5, 4.0, -2.0}, {16.0, 7.5, 3.1}};
   for (const Pose& truth : places) {
-    const SearchResult r = search.search(simulated_scan(fine, truth, 2 * kPi, 8.0), ScanConfig{});
+    const SearchResult r = search.search(simulated_scan(fine, truth, 2 * kPi, 8.0), StepConfig{});
     ASSERT_FALSE(r.hypotheses.empty());
     expect_within(r.hypotheses[0].pose, truth, 0.07, 0.01);
     EXPECT_FALSE(r.ambiguous);
@@ -77,7 +77,7 @@ TEST(Locate, ASymmetricPlaceIsAmbiguous) {
   GlobalSearch search(read_map("maps/hall.yaml"), {}, kOnCpu);
   const Pose truth{6.0, 3.5, 0.5};
   const Scan scan = simulated_scan(fine, truth, 2 * kPi, 30.0);
-  const SearchResult r = search.search(scan, ScanConfig{});
+  const SearchResult r = search.search(scan, StepConfig{});
   ASSERT_GE(r.hypotheses.size(), 2u);
   EXPECT_TRUE(r.ambiguous);
   const Pose mirrored{20.0 - truth.x_m, 10.0 - truth.y_m, wrap64(truth.theta_rad + kPi)};
@@ -90,14 +90,14 @@ TEST(Locate, ASymmetricPlaceIsAmbiguous) {
   region.region = {{truth.x_m + 0.5, truth.y_m, 2.0}};
   heading.heading = {{truth.theta_rad - 0.3, 0.5}};
   for (const SearchPrior& prior : {region, heading}) {
-    const SearchResult known = search.search(scan, ScanConfig{}, prior);
+    const SearchResult known = search.search(scan, StepConfig{}, prior);
     ASSERT_FALSE(known.hypotheses.empty());
     EXPECT_FALSE(known.ambiguous);
     expect_within(known.hypotheses[0].pose, truth, 0.08, 0.02);
   }
   SearchPrior elsewhere;
   elsewhere.region = {{mirrored.x_m, mirrored.y_m, 1.0}};
-  const SearchResult other = search.search(scan, ScanConfig{}, elsewhere);
+  const SearchResult other = search.search(scan, StepConfig{}, elsewhere);
   ASSERT_FALSE(other.hypotheses.empty());
   expect_within(other.hypotheses[0].pose, mirrored, 0.08, 0.02);
 }
@@ -107,7 +107,7 @@ TEST(Locate, HypothesesAreApartAndSorted) {
   SearchConfig config;
   config.most = 20;
   GlobalSearch search(read_map("maps/office.yaml"), config, kOnCpu);
-  const SearchResult r = search.search(simulated_scan(fine, {15.0, 5.0, 1.0}, 1.7, 8.0), ScanConfig{});
+  const SearchResult r = search.search(simulated_scan(fine, {15.0, 5.0, 1.0}, 1.7, 8.0), StepConfig{});
   ASSERT_GE(r.hypotheses.size(), 3u);
   double weights = 0.0;
   for (std::size_t a = 0; a < r.hypotheses.size(); ++a) {
@@ -126,8 +126,8 @@ TEST(Locate, HypothesesAreApartAndSorted) {
 TEST(Locate, FineMapsArePooled) {
   const GridMap fine = read_map("maps/fine/hall_obstacles.yaml");
   GlobalSearch search(fine, {}, kOnCpu);
-  EXPECT_EQ(search.map().pool, 5);
-  EXPECT_DOUBLE_EQ(search.map().cell_m, 0.05);
+  EXPECT_EQ(SearchParts(search).map().pool, 5);
+  EXPECT_DOUBLE_EQ(SearchParts(search).map().cell_m, 0.05);
   const Pose truth{8.5, 4.0, -2.0};
   expect_found(search, simulated_scan(fine, truth, 2 * kPi, 8.0), truth);
 }
@@ -139,9 +139,9 @@ TEST(Locate, AFineMapWithLittleFreeSpaceIsSearched) {
   rows[20][20] = '.';  // of 25 parts of its cell
   const GridMap map = grid_from_text(rows, 0.01);
   GlobalSearch search(map, {}, kOnCpu);
-  EXPECT_EQ(search.map().free_count, 1u);
+  EXPECT_EQ(SearchParts(search).map().free_count, 1u);
   const Pose truth{0.205, 0.195, 0.0};
-  const SearchResult r = search.search(simulated_scan(map, truth, 2 * kPi, 8.0), ScanConfig{});
+  const SearchResult r = search.search(simulated_scan(map, truth, 2 * kPi, 8.0), StepConfig{});
   ASSERT_FALSE(r.hypotheses.empty());
   EXPECT_LT(distance_m(r.hypotheses[0].pose, truth), 0.07);
 }
@@ -178,14 +178,14 @@ TEST(Locate, ImpossibleSettingsAndPriorsAreErrors) {
                                 {.region = {{0, 0, inf}}}, {.region = {{1e9, 0, 1}}},
                                 {.heading = {{inf, 1}}},   {.heading = {{0, -1}}}};
   for (const SearchPrior& prior : priors)
-    expect_error(ErrorKind::input, [&] { (void)search.search(scan, ScanConfig{}, prior); });
+    expect_error(ErrorKind::input, [&] { (void)search.search(scan, StepConfig{}, prior); });
 }
 
 Scan round_scan(std::size_t beams, float range_m, double range_max_m = 5.0) {
   return {.angle_step_rad = 0.1, .range_max_m = range_max_m, .ranges_m = std::vector<float>(beams, range_m)};
 }
 void expect_nothing(const GridMap& map, const Scan& scan) {
-  EXPECT_TRUE(GlobalSearch(map, {}, kOnCpu).search(scan, ScanConfig{}).hypotheses.empty());
+  EXPECT_TRUE(GlobalSearch(map, {}, kOnCpu).search(scan, StepConfig{}).hypotheses.empty());
 }
 
 TEST(Locate, ScansAndMapsWithNothingInThemGiveNoHypothesis) {
@@ -209,7 +209,7 @@ TEST(Locate, AScanFartherThanTheMapDoesNoHarm) {
 TEST(Locate, AScanThatFitsNowhereGivesNoHypothesisOrAPoorOne) {
   const Scan scan = round_scan(60, 0.5f);
   GlobalSearch search(read_map("maps/hall.yaml"), {}, kOnCpu);
-  const SearchResult r = search.search(scan, ScanConfig{});
+  const SearchResult r = search.search(scan, StepConfig{});
   for (const Hypothesis& h : r.hypotheses) EXPECT_LT(h.explained, 0.6);
 }
 

@@ -136,6 +136,20 @@ TEST(Nav2Config, TheNodeIsFoundUnderItsNamespace) {
             0.3);
 }
 
+// There a threshold of 0 is passed by any motion; here it is none.
+TEST(Nav2Config, AThresholdOfZeroIsAnyMotion) {
+  for (const char* text :
+       {"    update_min_d: 0.0\n    update_min_a: 0.2\n", "    update_min_d: 0.3\n    update_min_a: 0\n"}) {
+    const ConfigFile file = amcl(text);
+    EXPECT_EQ(file.config.update_min_d, 0.0);
+    EXPECT_EQ(file.config.update_min_a, 0.0);
+    expect_parts(told(file, "update_min_d"), {"any motion counts, so every scan"});
+  }
+  const ConfigFile one = amcl("    update_min_d: 0.3\n");
+  EXPECT_EQ(one.config.update_min_d, 0.3);
+  EXPECT_EQ(one.config.update_min_a, 0.0);  // none: nav2's own default is not taken
+}
+
 TEST(Nav2Config, SharesAreScaledToOne) {
   const Config field = amcl("    z_hit: 0.95\n    z_rand: 0.15\n    z_max: 0.5\n").config;
   EXPECT_NEAR(field.sensor.z_hit, 0.95 / 1.1, 1e-12);

@@ -129,7 +129,7 @@ TEST_F(Filter, RefusesWhatCannotBe) {
   ParticleFilter filter(small_config(), room);
   error_of([&] { filter.start_at({100.0, 0.0, 0.0}, 0.1, 0.1, 0.1); }, ErrorKind::input);
   error_of([&] { filter.start_at({NAN, 0.0, 0.0}, 0.1, 0.1, 0.1); }, ErrorKind::input);
-  error_of([&] { filter.step({}, drive.scans[0].scan); }, ErrorKind::internal);  // not started
+  error_of([&] { filter.step({}, drive.scans[0].scan); }, ErrorKind::usage);  // not started
   FilterConfig none = small_config();
   none.particles = 0;
   error_of([&] { ParticleFilter(none, room); }, ErrorKind::config);

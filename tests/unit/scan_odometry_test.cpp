@@ -2,7 +2,7 @@
 #include <gtest/gtest.h>
 
 #include "common/eval/metrics.h"
-#include "common/filter/step_front_end.h"
+#include "common/filter/steps/step_front_end.h"
 #include "common/slam/grid_slam_config.h"
 #include "common/slam/scan_odometry.h"
 #include "common/slam/slam_backend.h"

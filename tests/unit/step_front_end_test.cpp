@@ -1,6 +1,6 @@
 // What happens before a step, the same for the particle filter, flows and SLAM: a reading that is no number
 // is as if it had never been given, wherever it stands, and clocks that stand still do no harm.
-#include "common/filter/step_front_end.h"
+#include "common/filter/steps/step_front_end.h"
 
 #include <gtest/gtest.h>
 

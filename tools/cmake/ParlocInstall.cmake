@@ -7,13 +7,14 @@ set(PARLOC_PUBLIC_HEADERS
   config/pose_filters.h
   error.h
   eval/metrics.h
-  filter/compute_config.h
+  filter/steps/compute_config.h
   filter/filter_config.h
   filter/filter_group.h
   filter/particle_filter.h
   filter/pose_filter.h
-  filter/pose_guess.h
-  filter/step_config.h
+  filter/pose/covariance.h
+  filter/pose/pose_guess.h
+  filter/steps/step_config.h
   flow/flow_config.h
   flow/flow_filter.h
   flow/flow_filter_config.h
@@ -36,10 +37,12 @@ set(PARLOC_PUBLIC_HEADERS
   map/segment_map.h
   math/pose.h
   model/beam_counts.h
+  model/beam_table.h
   model/continuous_odometry.h
   model/motion_config.h
   model/scan.h
   model/scan_config.h
+  model/scan_shape.h
   model/sensor_config.h
   model/trajectory.h
   search/global_search.h

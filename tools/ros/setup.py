@@ -19,5 +19,5 @@ setup(
     install_requires=["setuptools"],
     description="parloc's localization in the place of nav2_amcl",
     license="see LICENSE of parloc",
-    entry_points={"console_scripts": [f"amcl = {name}.amcl:main"]},
+    entry_points={"console_scripts": [f"amcl = {name}.amcl:main", f"slam = {name}.slam:main"]},
 )

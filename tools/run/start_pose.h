@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "common/config/config.h"
-#include "common/filter/pose_guess.h"
+#include "common/filter/pose/pose_guess.h"
 #include "common/io/trajectory.h"
 #include "common/math/pose.h"
 #include "common/search/search_config.h"

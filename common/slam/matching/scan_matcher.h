@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-#include "common/filter/compute_config.h"
+#include "common/filter/steps/compute_config.h"
 #include "common/math/pose.h"
 #include "common/model/beams.h"
 #include "common/slam/matching/map_tables.h"

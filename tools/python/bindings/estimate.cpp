@@ -3,8 +3,8 @@
 #include <nanobind/stl/string.h>
 #include <nanobind/stl/vector.h>
 
+#include "common/filter/pose/pose_guess.h"
 #include "common/filter/pose_filter.h"
-#include "common/filter/pose_guess.h"
 #include "common/localize/localizer.h"
 #include "tools/python/bindings/bindings.h"
 #include "tools/python/values/arguments.h"

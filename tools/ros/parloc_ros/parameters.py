@@ -6,28 +6,31 @@ nav2's are handed to parloc as the text of a parameter file, so that they mean h
 import json
 from dataclasses import dataclass
 
-import parloc
 from rcl_interfaces.msg import ParameterDescriptor
+
+import parloc
 
 # What a robot needs to be told besides nav2's: name, default, meaning.
 OWN = [
     ("parloc_config", "", "a configuration file of parloc; what nav2's parameters say goes over it"),
     ("odom_topic", "", "a topic of nav_msgs/Odometry; empty: odometry is the transform odom_frame_id -> base"),
-    ("find_initial_pose", True, "look for the robot on the whole map where no pose was given"),
-    ("resume_pose", True, "start where the node was last on this map, if pose_file says so"),
-    ("pose_file", "", "where the pose is kept; empty: ~/.ros/parloc/<node>.json"),
     ("max_scan_delay", 1.0, "a scan that comes so much later than others is dropped [s]"),
-    ("max_shown_particles", 2000, "of particle_cloud"),
     ("threads", 0, "of a step; 0: all cores"),
     ("backend", "auto", "auto, cpu or cuda"),
 ]
+OF_AMCL = [
+    *OWN,
+    ("find_initial_pose", True, "look for the robot on the whole map where no pose was given"),
+    ("resume_pose", True, "start where the node was last on this map, if pose_file says so"),
+    ("pose_file", "", "where the pose is kept; empty: ~/.ros/parloc/<node>.json"),
+    ("max_shown_particles", 2000, "of particle_cloud"),
+]
+OF_SLAM = [
+    *OWN,
+    ("map_file", "", "where the map is saved: by the service save_map, and when the node ends; a YAML file"),
+    ("map_update_interval", 5.0, "the map is published so often while it grows [s]"),
+]
 
-# Of nav2's, those that are the node's own business here, too.
-OF_THE_NODE = {
-    "always_reset_initial_pose", "base_frame_id", "bond_heartbeat_period", "first_map_only", "global_frame_id",
-    "initial_pose.x", "initial_pose.y", "initial_pose.yaw", "initial_pose.z", "map_topic", "odom_frame_id",
-    "save_pose_rate", "scan_topic", "set_initial_pose", "tf_broadcast", "transform_tolerance",
-}  # fmt: skip
 # Whoever changes one of these while the node runs changes what it listens to or how it starts.
 NEEDS_CONFIGURE = {
     "base_frame_id", "odom_frame_id", "scan_topic", "map_topic", "odom_topic", "use_sim_time", "pose_file",
@@ -43,9 +46,9 @@ def value_of(text):
         return text
 
 
-def declare(node):
-    """Declares every parameter that is not declared yet."""
-    for name, default, meaning in OWN:
+def declare(node, own):
+    """Declares every parameter that is not declared yet: nav2's, and the node's own."""
+    for name, default, meaning in own:
         if not node.has_parameter(name):
             node.declare_parameter(name, default, ParameterDescriptor(description=meaning))
     for name, default, meaning in parloc.nav2_parameters():
@@ -77,9 +80,9 @@ class Parameters:
         return config
 
 
-def read(node, changed=()):
+def read(node, own, changed=()):
     """The parameters as they are, or as they would be with those in `changed`."""
-    names = [name for name, _, _ in OWN] + [name for name, _, _ in parloc.nav2_parameters()]
+    names = [name for name, _, _ in own] + [name for name, _, _ in parloc.nav2_parameters()]
     values = {name: node.get_parameter(name).value for name in names}
     values.update({parameter.name: parameter.value for parameter in changed})
     return Parameters(values)

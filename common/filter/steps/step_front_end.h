@@ -4,9 +4,11 @@
 
 #include <cstddef>
 #include <optional>
+#include <string>
 #include <vector>
 
-#include "common/filter/step_config.h"
+#include "common/filter/pose/covariance.h"
+#include "common/filter/steps/step_config.h"
 #include "common/model/beams.h"
 #include "common/model/continuous_odometry.h"
 #include "common/model/motion.h"
@@ -23,6 +25,13 @@ class StepFrontEnd {
       : config_(config), scaler_(config.motion), track_(config.motion), continuous_(config.motion) {}
   void clear();
 
+  /// Throws Error{input} for a scan that makes no sense (lidar_setup). To be called before anything is made
+  /// of it.
+  void check(const Scan& scan) const { (void)setup_of(scan); }
+  /// Why a scan is not to be taken, by scan.check_stamps; empty if it is.
+  std::string refusal(const Scan& scan) const;
+  /// The same, and remembers the scan's stamp. Once per step.
+  std::string refuse(const Scan& scan);
   /// A reading between steps, in any order. One that is not finite is left out.
   void add_odometry(double stamp_s, const Pose& odometry) {
     track_.add(stamp_s - config_.motion.odometry_delay_s, scaler_.take(odometry));
@@ -32,7 +41,18 @@ class StepFrontEnd {
   std::optional<OdometryReading> take_odometry(double stamp_s, const Pose& odometry);
   /// The same for whoever wants to know before the step, which then takes this.
   std::optional<OdometryReading> prepare_odometry(double stamp_s, const Pose& odometry);
-  /// Whether a scan counts: the robot has moved update_min_d or turned update_min_a since `before`. SPEC 6.4.
+  /// By the readings that were added. Nothing if they do not reach to `stamp_s`: their last two seconds, and
+  /// half a second on with the motion that they end with.
+  std::optional<OdometryReading> prepare_odometry(double stamp_s);
+  /// Why the last of these gave nothing.
+  const std::string& why_no_odometry() const { return why_no_odometry_; }
+  /// The last reading that was given out, and its stamp; none before the first.
+  const std::optional<OdometryMemory>& last_reading() const { return continuous_.memory(); }
+  /// A pose of one time at another, by the readings between and the noise of their motion. Throws
+  /// Error{input} for a time more than two seconds from all that is remembered.
+  PoseEstimate predict(const PoseEstimate& from, double from_s, double to_s) const;
+  /// Whether a scan counts: the robot has moved update_min_d or turned update_min_a since `before`, where
+  /// that is above 0; both 0: it does. SPEC 6.4.
   bool moved_enough(const std::optional<Pose>& before, const Pose& now) const;
   /// From the last step's odometry to `now`, which becomes the last; the first step is none. What a short
   /// step says to the side is kept for the next (odometry_increment). How long it took, and whether it is a
@@ -65,6 +85,18 @@ class StepFrontEnd {
   const ContinuousOdometry& continuous() const { return continuous_; }
 
  private:
+  /// Of one LiDAR, for scan.check_stamps.
+  struct Stamps {
+    std::optional<double> last_s, newest_s, refused_s;  ///< Taken; taken; too old, the last of `older`.
+    int older = 0;                                      ///< Scans in a row that were refused for that.
+  };
+  LidarSetup setup_of(const Scan& scan) const {
+    return lidar_setup(scan, config_.scan, find_lidar(config_.lidars, scan.sensor));
+  }
+  const Stamps* stamps_of(const Scan& scan) const;
+  std::optional<OdometryReading> take_in(double stamp_s, const Pose& odometry);
+  void warn(bool& told, const std::string& text) const;
+  void warn_of_name(const std::string& name) const;
   const OdometryTrack* track_for(const Scan& scan, const LidarSetup& setup) const;
 
   const StepConfig& config_;
@@ -72,12 +104,15 @@ class StepFrontEnd {
   OdometryTrack track_;
   std::vector<LidarUse> used_;
   std::vector<BeamDirections> directions_;  ///< Of each LiDAR.
+  std::vector<Stamps> stamps_;              ///< Likewise.
   ContinuousOdometry continuous_;
   std::optional<OdometryReading> prepared_;
   bool is_prepared_ = false;
   std::optional<Pose> odometry_;
   double elapsed_s_ = 0.0;  ///< Since odometry_.
   bool jumped_ = false;     ///< Likewise.
+  std::string why_no_odometry_;
+  bool told_not_finite_ = false, told_jump_ = false;
 };
 
 }  // namespace parloc
