@@ -105,6 +105,29 @@ void bind_beams(nb::module_& m) {
       .def_ro("beams", &LidarUse::beams, "Of all of them.");
 }
 
+/// What the filter said, alone or with what a localizer says of it.
+const Estimate& filter_estimate(nb::handle estimate) {
+  LocalizerEstimate* judged = nullptr;
+  if (nb::try_cast(estimate, judged, false) && judged != nullptr) return judged->filter;
+  return nb::cast<const Estimate&>(estimate);
+}
+
+/// For whole runs, whose estimates are many.
+void bind_columns(nb::module_& m) {
+  m.def("_poses_of", [](const nb::list& estimates) {
+    std::vector<Pose> poses;
+    poses.reserve(estimates.size());
+    for (const nb::handle estimate : estimates) poses.push_back(filter_estimate(estimate).pose);
+    return array_of<double>(std::move(poses), 3);
+  });
+  m.def("_covariances_of", [](const nb::list& estimates) {
+    std::vector<Covariance> covariances;
+    covariances.reserve(estimates.size());
+    for (const nb::handle estimate : estimates) covariances.push_back(filter_estimate(estimate).covariance);
+    return array_of<double>(std::move(covariances), 9);
+  });
+}
+
 }  // namespace
 
 void bind_estimate(nb::module_& m) {
@@ -125,6 +148,7 @@ void bind_estimate(nb::module_& m) {
   bind_filter_estimate(m);
   bind_localizer_estimate(m);
   bind_beams(m);
+  bind_columns(m);
 }
 
 }  // namespace parloc::python

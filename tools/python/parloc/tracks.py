@@ -44,16 +44,16 @@ def iter_scans(log: LogLike, config: _parloc.Config | None = None) -> Iterable[_
 class Track:
     """What a filter said of every scan of a log. Arrays have one row per scan, in the order of the log."""
 
-    def __init__(self, map: _parloc.GridMap, records: list[tuple[float, Any]]) -> None:
+    def __init__(self, map: _parloc.GridMap, stamps_s: list[float], estimates: list[Any], digest: str) -> None:
         self.map = map
         """The map that was localized on."""
-        self.estimates = [estimate for _, estimate in records]
+        self.estimates = estimates
         """What the filter returned: Estimate, or LocalizerEstimate."""
-        self.stamps_s = np.array([stamp for stamp, _ in records], dtype=np.float64)
+        self.stamps_s = np.array(stamps_s, dtype=np.float64)
         """float64, shape (N,): stamps of the scans [s]."""
-        self.poses = np.array([tuple(e.pose) for e in self.estimates], dtype=np.float64).reshape(-1, 3)
+        self.poses = _parloc._poses_of(estimates)
         """float64, shape (N, 3): (x_m, y_m, theta_rad) in the map frame."""
-        self.digest = ""
+        self.digest = digest
         """The filter's at the end: that of the program."""
 
     def __len__(self) -> int:
@@ -70,7 +70,7 @@ class Track:
     @property
     def covariances(self) -> np.ndarray:
         """float64, shape (N, 3, 3): of (x, y, theta) [m^2, m rad, rad^2]."""
-        return np.array([e.covariance for e in self.estimates], dtype=np.float64).reshape(-1, 3, 3)
+        return _parloc._covariances_of(self.estimates).reshape(-1, 3, 3)
 
     @property
     def states(self) -> list[str]:
@@ -123,15 +123,14 @@ def _start(filter: Any, start: Any) -> None:
 def run(filter: Any, log: LogLike, start: Any = None, progress: ProgressOption = False) -> Track:
     """Takes in all scans of a log: what `filter.run(...)` calls."""
     _start(filter, start)
-    records = []
+    stamps_s, estimates = [], []
     scans = iter_scans(log, filter.config)
     with reporting(progress, scans) as tell:
         for record in scans:
-            records.append((record.stamp_s, filter.step(record)))
-            tell(len(records))
-    track = Track(filter.map, records)
-    track.digest = filter.digest()
-    return track
+            stamps_s.append(record.stamp_s)
+            estimates.append(filter.step(record))
+            tell(len(estimates))
+    return Track(filter.map, stamps_s, estimates, filter.digest())
 
 
 def run_slam(slam: _parloc.GridSlam, log: LogLike, progress: ProgressOption = False) -> int:
