@@ -42,12 +42,13 @@ std::vector<std::size_t> of_types(const std::vector<BagTopic>& topics,
 }
 
 /// Those that have messages, if any of them has.
-std::vector<std::size_t> with_messages(const BagReader& bag, const std::vector<std::size_t>& which) {
+std::vector<std::size_t> with_messages(const BagReader& bag, std::vector<std::size_t> which) {
   if (which.size() < 2) return which;
   std::vector<std::size_t> filled;
   for (const std::size_t k : which)
     if (!bag.is_empty(k)) filled.push_back(k);
-  return filled.empty() ? which : filled;
+  if (filled.empty()) return which;
+  return filled;
 }
 
 std::string list_text(const std::vector<BagTopic>& topics, const std::vector<std::size_t>& which) {
