@@ -42,7 +42,7 @@ class Slam(RobotNode):
         if grid is None:
             return None, "there is no map yet"
         if not path:
-            return None, "map_file: expected a path, such as /home/robot/map.yaml"
+            return None, "map_file: expected the path of a YAML file"
         try:
             grid.save(path)
         except parloc.Error as error:
