@@ -12,6 +12,7 @@
 #include "common/inputs/bag_log.h"
 #include "common/io/scan_stream.h"
 #include "common/live/answer_messages.h"
+#include "common/live/live_slam.h"
 #include "tests/unit/simulated.h"
 #include "tests/unit/temp_file.h"
 #include "tools/log/converted_log.h"
@@ -239,6 +240,34 @@ TEST(LiveLocalizer, ThousandFaultsCostNoMoreThanTheirMessages) {
   EXPECT_GT(told, 0u);
   EXPECT_LT(told, 200u);
   EXPECT_TRUE(std::isfinite(last.estimate.filter.pose.x_m));
+}
+
+TEST(LiveSlam, MapsWhatIsMappedOfABag) {
+  Scene scene = hall_scene();
+  scene.config.slam.particles = 4;
+  LiveSlam robot(scene.config, has_odometry(scene.messages));
+  EXPECT_FALSE(robot.map_so_far().has_value());
+  std::size_t answers = 0, taken_in = 0;
+  for (const Message& message : scene.messages) {
+    if (answers >= 60) break;
+    robot.take(message.role, message.topic, message.bytes);
+    for (; const auto answer = robot.next(); ++answers) {
+      taken_in += answer->taken_in ? 1 : 0;
+      EXPECT_TRUE(std::isfinite(answer->pose.x_m));
+    }
+  }
+  ASSERT_GT(taken_in, 3u);
+  const GridSlamConfig config = grid_slam_config(scene.config);
+  GridSlam slam(config);
+  const auto log = open_bag_log(scene.bag.path(), log_choice(scene.config));
+  ScanStream scans(*log, config.scan, config.lidars, [](std::size_t) {});
+  LogRecord record;
+  for (std::size_t k = 0; k < answers && scans.next(record); ++k) {
+    scans.pass_odometry([&](const StampedPose& r) { slam.add_odometry(r.stamp_s, r.pose); });
+    slam.step(record.odometry, record.scan);
+  }
+  EXPECT_EQ(robot.slam().digest_so_far(), slam.digest_so_far());
+  EXPECT_GT(robot.map_so_far()->width, 50);
 }
 
 TEST(LiveLocalizer, AnswersAreMessages) {
