@@ -203,8 +203,12 @@ void Localizer::State::expect_takes(const Scan& scan, const Pose& recorded) cons
 LocalizerEstimate Localizer::State::step(const std::optional<OdometryReading>& reading, const Pose& recorded,
                                          const Scan& scan) {
   LocalizerEstimate out;
-  if (reading && filter.counts(reading->pose, scan)) {
+  const bool counts = reading && filter.counts(reading->pose, scan);
+  // A robot that stands until it knows where it is would not find out.
+  const bool looks_for_start = reading && !d.placed && search && search->under_way();
+  if (counts || looks_for_start) {
     const BeamTable beams = filter.beams(scan);
+    note_reach(static_cast<double>(beams.range_max_m));
     const Now now{reading->pose, reading->elapsed_s, beams};
     settle(now, out);
     if (!d.lost || d.placed) look_for_slips(now);
@@ -212,8 +216,8 @@ LocalizerEstimate Localizer::State::step(const std::optional<OdometryReading>& r
     if (out.filter.weighted) watch(now, out);
   } else {
     out.filter = filter.step(recorded, scan);  // nothing is weighed, nothing is learnt
-    if (d.given_s) out.filter.covariance = d.given.covariance;
   }
+  if (!counts && !out.filter.weighted && d.given_s) out.filter.covariance = d.given.covariance;
   if (reading) {
     const PoseEstimate& heaviest = out.filter.cluster;
     d.given = {out.filter.pose, out.filter.covariance, heaviest.weight, heaviest.heading_resultant};

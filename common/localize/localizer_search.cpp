@@ -22,8 +22,8 @@ constexpr double kNewcomer = 0.05;
 constexpr double kSame_m = 1.0, kSame_rad = 0.5;
 
 /// Work of a slice of the search (search_work.h), 2 to 3 ns each on a core: the longer the time between
-/// scans, the more, but always some milliseconds.
-constexpr double kWorkPer_s = 4e7, kLeastSlice = 2e6, kMostSlice = 5e6;
+/// scans, the more, but always some milliseconds, and at most localize.search_slice.
+constexpr double kWorkPer_s = 4e7, kLeastSlice = 2e6, kMillion = 1e6;
 constexpr std::int64_t kAllWork = std::numeric_limits<std::int64_t>::max();
 constexpr double kSearchEvery_s = 2.0;  ///< Or sooner, if it has moved.
 
@@ -31,8 +31,9 @@ bool same_place(const Pose& a, const Pose& b) {
   return distance_m(a, b) < kSame_m && turn_rad(a, b) < kSame_rad;
 }
 
-std::int64_t slice_of(double elapsed_s) {
-  return static_cast<std::int64_t>(std::clamp(kWorkPer_s * elapsed_s, kLeastSlice, kMostSlice));
+std::int64_t slice_of(double elapsed_s, double most_millions) {
+  const double most = kMillion * most_millions;
+  return static_cast<std::int64_t>(std::clamp(kWorkPer_s * elapsed_s, std::min(kLeastSlice, most), most));
 }
 
 }  // namespace
@@ -72,6 +73,20 @@ const GridMap& Localizer::PreparedMap::map() const {
   return parts_->filter.map();
 }
 
+std::vector<double> Localizer::State::reaches_m() const {
+  const std::lock_guard lock(reaches_lock);
+  return reaches;
+}
+
+void Localizer::State::note_reach(double range_max_m) {
+  constexpr std::size_t kMostReaches = 8;
+  if (reaches.size() == kMostReaches ||
+      std::find(reaches.begin(), reaches.end(), range_max_m) != reaches.end())
+    return;
+  const std::lock_guard lock(reaches_lock);
+  reaches.push_back(range_max_m);
+}
+
 Localizer::PreparedMap Localizer::prepare_map(const GridMap& map) const {
   const LocalizerConfig& c = state_->config;
   auto parts = std::make_unique<PreparedMap::Parts>(PreparedMap::Parts{
@@ -79,6 +94,10 @@ Localizer::PreparedMap Localizer::prepare_map(const GridMap& map) const {
   if (state_->searches()) {
     parts->search = std::make_unique<GlobalSearch>(map, c.search, c);
     parts->slips = make_slip_search(map, c, *parts->search);
+  }
+  for (const double range_max_m : state_->reaches_m()) {
+    parts->judge.learn(range_max_m);
+    if (parts->slips) parts->slips->learn(range_max_m);
   }
   return PreparedMap(std::move(parts));
 }
@@ -214,7 +233,8 @@ void Localizer::State::look_for_others(const std::vector<JudgedPlace>& found, co
 void Localizer::State::go_on_searching(const Now& now, LocalizerEstimate& out) {
   if (!search || !search->under_way()) return;
   if (d.settled && !d.doubt) return search->cancel();  // some bad scans, and it fits again
-  if (!search->advance(d.placed ? slice_of(now.elapsed_s) : kAllWork)) return;
+  const bool at_once = !d.placed && config.localize.first_search_at_once;
+  if (!search->advance(at_once ? kAllWork : slice_of(now.elapsed_s, config.localize.search_slice))) return;
   std::vector<JudgedPlace> found = found_now(now, out);
   const bool was_sure = d.settled || d.was_settled;
   if (!d.placed) {

@@ -3,6 +3,7 @@
 
 #include <cstddef>
 #include <memory>
+#include <mutex>
 #include <optional>
 #include <vector>
 
@@ -40,6 +41,9 @@ struct Localizer::State {
   /// After the filter was asked for its odometry.
   LocalizerEstimate step(const std::optional<OdometryReading>& reading, const Pose& recorded,
                          const Scan& scan);
+  /// How far the LiDARs reach whose scans were taken so far [m].
+  std::vector<double> reaches_m() const;
+  void note_reach(double range_max_m);
   bool searches() const { return config.localize.recover || config.localize.slips; }
   GlobalSearch& whole_map();
   SlipSearch& near_by();
@@ -62,6 +66,8 @@ struct Localizer::State {
 
   const LocalizerConfig config;
   bool started = false;
+  mutable std::mutex reaches_lock;  // prepare_map() asks from another thread
+  std::vector<double> reaches;
   ParticleFilter filter;
   std::unique_ptr<GlobalSearch> search;  // made when there is something to search
   std::unique_ptr<SlipSearch> slips;     // likewise

@@ -36,6 +36,8 @@ class PlaceEvidence {
   PlaceEvidence(const GridMap& map, double effective_beams);
 
   void forget();
+  /// Becomes ready for LiDARs that reach so far [m]: the first scan of one takes milliseconds longer.
+  void learn(double range_max_m) { evidence_.learn(static_cast<float>(range_max_m), ScanEvidence::kPlaces); }
   /// Remembers on another map what `before` remembers, and what was set there. Scans only if cells are as
   /// large.
   void go_on_from(PlaceEvidence&& before);

@@ -20,6 +20,9 @@ class SlipSearch {
   SlipSearch(const GridMap& map, const SearchConfig& config, const ComputeConfig& compute,
              const GlobalSearch* whole);
 
+  /// As GlobalSearch::learn.
+  void learn(double range_max_m) { search_.learn(range_max_m); }
+
   /// How far the robot may be from where it is expected.
   struct Reach {
     double distance_m, turn_rad;

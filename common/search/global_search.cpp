@@ -188,6 +188,9 @@ void GlobalSearch::forget() {
   cancel();
   state_->judge.forget();
 }
+void GlobalSearch::learn(double range_max_m) {
+  state_->judge.learn(static_cast<float>(range_max_m));
+}
 void GlobalSearch::cancel() {
   if (under_way()) state_->stage = State::Stage::idle;
 }

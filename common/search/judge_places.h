@@ -27,6 +27,8 @@ class JudgePlaces {
   /// Does about so much work [search_work.h], but something; returns how much it was.
   std::int64_t advance(std::int64_t work);
   bool done() const;
+  /// All at once, what begin() and advance() would learn of a LiDAR that reaches so far [m].
+  void learn(float range_max_m) { (void)evidence_.learn(range_max_m, ScanEvidence::kPlaces); }
   void forget() { evidence_.forget(); }
   /// Fills in what has to do with hypotheses; once done.
   void report(SearchResult& result) const;

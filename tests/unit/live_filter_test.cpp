@@ -2,6 +2,7 @@
 // map, and an operator's word in the middle of a run.
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <thread>
 #include <vector>
@@ -285,6 +286,28 @@ TEST_F(LiveLocalizer, AnOperatorIsBelieved) {
   const LocalizerEstimate e = feed(localizer, 0.3, 1.0);
   EXPECT_EQ(e.health.state, HealthState::tracking);
   EXPECT_LT(distance_m(e.filter.pose, log.truth.back().pose), 0.2);
+}
+
+// No step is to do more than a slice, whatever else it takes; the robot may stand until it is found.
+TEST_F(LiveLocalizer, FindsItsStartInSlices) {
+  LocalizerConfig config = test::small_localizer();
+  config.localize.first_search_at_once = false;
+  config.localize.search_slice = 1.0;
+  config.update_min_d = config.update_min_a = 0.2;
+  Localizer localizer(config, map);
+  localizer.start_anywhere();
+  const LogRecord& first = *std::find_if(log.records.begin(), log.records.end(),
+                                         [](const LogRecord& r) { return r.kind == RecordKind::scan; });
+  std::size_t scans = 0;
+  LocalizerEstimate e;
+  for (Scan scan = first.scan; localizer.searches() == 0 && scans < 1000; ++scans, scan.stamp_s += 0.2) {
+    e = localizer.step(first.odometry, scan);
+    EXPECT_TRUE(e.searched || e.health.state == HealthState::lost);
+  }
+  EXPECT_GT(scans, 5u);
+  EXPECT_LT(scans, 1000u);
+  EXPECT_TRUE(e.searched);
+  EXPECT_LT(distance_m(e.filter.pose, start), 0.2);
 }
 
 TEST_F(LiveLocalizer, PredictsWithTheCovarianceOfTheClosedLoop) {
