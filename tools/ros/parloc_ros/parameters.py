@@ -75,6 +75,7 @@ class Parameters:
         """All of it as parloc's configuration. Raises parloc.ConfigError with one line."""
         base = parloc.read_config(self["parloc_config"]) if self["parloc_config"] else None
         config = parloc.Config.from_yaml(self.nav2_yaml(), "the node's parameters", base)
+        config.localize.first_search_at_once = False  # scans are answered meanwhile
         config.threads = self["threads"]
         config.backend = self["backend"]
         return config
