@@ -90,6 +90,9 @@ def test_pose():
     assert np.asarray(pose).tolist() == [1, 2, 0.5]
     assert np.allclose(pose @ pose.inverse(), 0)
     assert pickle.loads(pickle.dumps(pose)) == pose
+    assert pose != 3 and pose != (1, 2, 0.5)
+    with pytest.raises(TypeError):
+        hash(pose)
 
 
 def test_trajectories(tmp_path):

@@ -265,8 +265,9 @@ void bind_lidars(nb::module_& m, nb::class_<ConfigBox>& config, const Settings& 
   };
   nb::class_<Lidars>(m, "Lidars", "Settings of LiDARs by the name that the log has for them, as a dict.")
       .def("__len__", [](const Lidars& self) { return lidar_names(box_of(self.config)).size(); })
-      .def("__iter__",
-           [](const Lidars& self) { return nb::iter(nb::cast(lidar_names(box_of(self.config)))); })
+      .def(
+          "__iter__", [](const Lidars& self) { return nb::iter(nb::cast(lidar_names(box_of(self.config)))); },
+          nb::sig("def __iter__(self) -> collections.abc.Iterator[str]"))
       .def("__contains__", has)
       .def("__getitem__",
            [has](const Lidars& self, const std::string& name) {
@@ -349,14 +350,19 @@ void bind_config(nb::module_& m) {
           },
           "Names of all settings but those of LiDARs: 'particles', 'sensor.model', as config[name] takes "
           "them.")
-      .def("__eq__", [](const ConfigBox& a,
-                        const ConfigBox& b) { return config_to_yaml(a.config) == config_to_yaml(b.config); })
+      .def(
+          "__eq__",
+          [](const ConfigBox& a, const ConfigBox& b) {
+            return config_to_yaml(a.config) == config_to_yaml(b.config);
+          },
+          nb::is_operator(), nb::sig("def __eq__(self, other: object, /) -> bool"))
       .def("__str__", [](const ConfigBox& self) { return config_to_yaml(self.config); })
       .def("__repr__", &short_text)
       .def("__getstate__", [](const ConfigBox& self) { return config_to_yaml(self.config); })
       .def("__setstate__", [](ConfigBox* self, const std::string& text) {
         new (self) ConfigBox(config_from_text(text, "a pickled Config"));
       });
+  config.attr("__hash__") = nb::none();  // it can change
   const ConfigBox defaults;
   for (std::size_t k = 0; k < defaults.table.all.size(); ++k)
     if (defaults.table.all[k].group.empty())

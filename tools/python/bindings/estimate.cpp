@@ -114,13 +114,13 @@ const Estimate& filter_estimate(nb::handle estimate) {
 
 /// For whole runs, whose estimates are many.
 void bind_columns(nb::module_& m) {
-  m.def("_poses_of", [](const nb::list& estimates) {
+  m.def("poses_of", [](const nb::list& estimates) {
     std::vector<Pose> poses;
     poses.reserve(estimates.size());
     for (const nb::handle estimate : estimates) poses.push_back(filter_estimate(estimate).pose);
     return array_of<double>(std::move(poses), 3);
   });
-  m.def("_covariances_of", [](const nb::list& estimates) {
+  m.def("covariances_of", [](const nb::list& estimates) {
     std::vector<Covariance> covariances;
     covariances.reserve(estimates.size());
     for (const nb::handle estimate : estimates) covariances.push_back(filter_estimate(estimate).covariance);

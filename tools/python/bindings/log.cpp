@@ -124,7 +124,7 @@ void bind_log(nb::module_& m) {
       .def("__iter__", [](const Log& log) { return scans_of(log, nullptr); })
       .def("__repr__", [](const Log& log) { return fmt::format("<parloc.Log {}>", log.name); });
 
-  m.def("_open_log", &open, "path"_a, "config"_a.none() = nb::none());
+  m.def("open_log", &open, "path"_a, "config"_a.none() = nb::none());
 }
 
 }  // namespace parloc::python

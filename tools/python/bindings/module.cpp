@@ -4,7 +4,7 @@
 NB_MODULE(_parloc, m) {
   using namespace parloc::python;
   m.doc() = "The compiled part of parloc.";
-  m.attr("__version__") = PARLOC_VERSION;
+  m.attr("version") = PARLOC_VERSION;
   // In this order: what a signature names is known before it.
   bind_errors(m);
   bind_pose(m);

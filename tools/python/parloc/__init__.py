@@ -47,7 +47,6 @@ from ._parloc import (  # noqa: E402
     Simulation,
     SlamRecord,
     TrackErrors,
-    __version__,
     compare_trajectories,
     evaluate,
     map_from_message,
@@ -61,6 +60,7 @@ from ._parloc import (  # noqa: E402
     stamp_of_message,
     write_trajectory,
 )
+from ._parloc import version as __version__  # noqa: E402
 from .errors import BackendError, ConfigError, Error, InputError, OutputError, UsageError  # noqa: E402
 from .export import to_evo, to_pandas  # noqa: E402
 from .plotting import plot_map, plot_trajectory  # noqa: E402

@@ -5,6 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 if TYPE_CHECKING:
     import pandas
@@ -12,7 +13,7 @@ if TYPE_CHECKING:
     from .tracks import Track
 
 
-def to_evo(trajectory: object) -> Any:
+def to_evo(trajectory: ArrayLike) -> Any:
     """Rows of (stamp_s, x_m, y_m, theta_rad) as evo's PoseTrajectory3D, z = 0. Needs evo."""
     from evo.core.trajectory import PoseTrajectory3D
 
@@ -25,7 +26,7 @@ def to_evo(trajectory: object) -> Any:
     )
 
 
-def to_pandas(trajectory: object) -> pandas.DataFrame:
+def to_pandas(trajectory: ArrayLike) -> pandas.DataFrame:
     """Rows of (stamp_s, x_m, y_m, theta_rad) as a table with these columns. Needs pandas."""
     import pandas
 

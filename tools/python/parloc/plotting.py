@@ -5,6 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from . import _parloc
 
@@ -39,7 +40,7 @@ def plot_map(map: _parloc.GridMap, ax: matplotlib.axes.Axes | None = None) -> ma
     return ax
 
 
-def plot_trajectory(trajectory: object, ax: matplotlib.axes.Axes | None = None, **style: Any) -> matplotlib.axes.Axes:
+def plot_trajectory(trajectory: ArrayLike, ax: matplotlib.axes.Axes | None = None, **style: Any) -> matplotlib.axes.Axes:
     """Draws rows of (stamp_s, x_m, y_m, theta_rad) as a line; `style` is that of Axes.plot. Needs matplotlib."""
     import matplotlib.pyplot as plt
 
@@ -50,7 +51,7 @@ def plot_trajectory(trajectory: object, ax: matplotlib.axes.Axes | None = None, 
     return ax
 
 
-def plot_track(track: Track, truth: object | None, ax: matplotlib.axes.Axes | None) -> matplotlib.axes.Axes:
+def plot_track(track: Track, truth: ArrayLike | None, ax: matplotlib.axes.Axes | None) -> matplotlib.axes.Axes:
     """What Track.plot() draws."""
     ax = plot_map(track.map, ax)
     if truth is not None:

@@ -11,7 +11,7 @@ ProgressOption = bool | Callable[[float, int], object]
 
 
 @contextmanager
-def reporting(progress: ProgressOption, scans: Any) -> Iterator[Callable[[int], None]]:
+def reporting(progress: ProgressOption, scans: Any) -> Iterator[Callable[[int], object]]:
     """Gives a function to be called with the number of scans after each of them."""
 
     def share() -> float:

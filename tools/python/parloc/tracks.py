@@ -7,6 +7,7 @@ from collections.abc import Iterable
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from . import _parloc
 from .errors import UsageError
@@ -28,7 +29,7 @@ def open_log(path: str | os.PathLike, config: _parloc.Config | None = None, **ch
     if choice:
         config = config.copy() if config is not None else _parloc.Config()
         config.log = choice
-    return _parloc._open_log(path, config)
+    return _parloc.open_log(path, config)
 
 
 def iter_scans(log: LogLike, config: _parloc.Config | None = None) -> Iterable[_parloc.ScanRecord]:
@@ -51,7 +52,7 @@ class Track:
         """What the filter returned: Estimate, or LocalizerEstimate."""
         self.stamps_s = np.array(stamps_s, dtype=np.float64)
         """float64, shape (N,): stamps of the scans [s]."""
-        self.poses = _parloc._poses_of(estimates)
+        self.poses = _parloc.poses_of(estimates)
         """float64, shape (N, 3): (x_m, y_m, theta_rad) in the map frame."""
         self.digest = digest
         """The filter's at the end: that of the program."""
@@ -70,7 +71,7 @@ class Track:
     @property
     def covariances(self) -> np.ndarray:
         """float64, shape (N, 3, 3): of (x, y, theta) [m^2, m rad, rad^2]."""
-        return _parloc._covariances_of(self.estimates).reshape(-1, 3, 3)
+        return _parloc.covariances_of(self.estimates).reshape(-1, 3, 3)
 
     @property
     def states(self) -> list[str]:
@@ -98,11 +99,11 @@ class Track:
         """Writes the trajectory as TUM text. Raises OutputError."""
         _parloc.write_trajectory(path, self.trajectory)
 
-    def errors(self, truth: object) -> _parloc.TrackErrors:
+    def errors(self, truth: ArrayLike) -> _parloc.TrackErrors:
         """How far it is from the truth, rows of (stamp_s, x_m, y_m, theta_rad)."""
         return _parloc.compare_trajectories(self.trajectory, truth)
 
-    def plot(self, truth: object | None = None, ax: matplotlib.axes.Axes | None = None) -> matplotlib.axes.Axes:
+    def plot(self, truth: ArrayLike | None = None, ax: matplotlib.axes.Axes | None = None) -> matplotlib.axes.Axes:
         """Draws map and path, and the truth if it is given. Needs matplotlib."""
         from .plotting import plot_track
 
