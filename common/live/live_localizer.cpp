@@ -1,7 +1,5 @@
 #include "common/live/live_localizer.h"
 
-#include <algorithm>
-#include <cmath>
 #include <utility>
 
 #include "common/error.h"
@@ -10,8 +8,8 @@
 namespace parloc {
 namespace {
 
-/// After the clock was set the robot is where it was, about.
-constexpr double kLeastSigma_m = 0.1, kLeastSigma_rad = 0.05;
+/// After a break the robot is where it was, about: so much less sure.
+constexpr double kMoreSigma_m = 0.1, kMoreSigma_rad = 0.05;
 
 }  // namespace
 
@@ -53,7 +51,7 @@ void LiveLocalizer::State::start(const LiveStart& from) {
     return;
   }
   if (from.pose_in_map)
-    localizer->start_at(*from.pose_in_map, from.sigma_x_m, from.sigma_y_m, from.sigma_theta_rad);
+    localizer->start_at(*from.pose_in_map, from.covariance);
   else
     localizer->start_anywhere();
   wanted = from;
@@ -67,9 +65,10 @@ void LiveLocalizer::State::go_on() {
   try {
     if (wanted) return start(*wanted);
     if (!last) return;
-    const double* variance = last->covariance.v;
-    const double sigma_m = std::max(std::sqrt(std::max(variance[0], variance[4])), kLeastSigma_m);
-    start({last->pose, sigma_m, sigma_m, std::max(std::sqrt(variance[8]), kLeastSigma_rad)});
+    Covariance covariance = last->covariance;
+    for (const int k : {0, 4}) covariance.v[k] += kMoreSigma_m * kMoreSigma_m;
+    covariance.v[8] += kMoreSigma_rad * kMoreSigma_rad;
+    start({last->pose, covariance});
   } catch (const Error& error) {  // it is not on this map
     scans.tell(error.what());
     start({});

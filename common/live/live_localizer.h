@@ -34,7 +34,7 @@ struct PreparedLocalizer {
 /// Where a robot is, as far as is known. Without a pose it may be anywhere.
 struct LiveStart {
   std::optional<Pose> pose_in_map{};
-  double sigma_x_m = 0.0, sigma_y_m = 0.0, sigma_theta_rad = 0.0;
+  Covariance covariance{};
 };
 
 /// Messages go in, answers come out: the same as `parloc run` gives to a bag of the same messages. Memory is

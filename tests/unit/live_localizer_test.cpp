@@ -103,7 +103,7 @@ LiveLocalizer robot_of(const Scene& scene) {
 }
 
 LiveStart about(const Pose& pose) {
-  return {pose, 0.2, 0.2, 0.1};
+  return {pose, covariance_of(0.2, 0.2, 0.1)};
 }
 
 TEST(LiveLocalizer, SaysWhatIsSaidOfABag) {

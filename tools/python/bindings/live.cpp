@@ -75,9 +75,11 @@ std::vector<LiveAnswer> take(LiveLocalizer& robot, const std::string& role, cons
   return answers;
 }
 
-void start(LiveLocalizer& robot, const std::optional<PoseLike>& pose, const std::array<double, 3>& sigma) {
+void start(LiveLocalizer& robot, const std::optional<PoseLike>& pose, const std::array<double, 3>& sigma,
+           const std::optional<std::array<double, 36>>& ros_covariance) {
   LiveStart from;
-  if (pose) from = {pose->pose, sigma[0], sigma[1], sigma[2]};
+  if (pose) from = {pose->pose, covariance_of(sigma[0], sigma[1], sigma[2])};
+  if (pose && ros_covariance) from.covariance = covariance_from_ros(*ros_covariance);
   robot.start(from);
 }
 
@@ -223,10 +225,12 @@ void bind_live(nb::module_& m) {
           "put", [](LiveLocalizer& robot, PreparedLocalizer& ready) { robot.put(std::move(ready)); },
           "prepared"_a,
           "The next scan is answered by this one, from where the robot is; `prepared` is used up.")
-      .def("start", &start, "pose"_a = nb::none(), "sigma"_a = std::array<double, 3>{},
-           "The robot is at `pose` of the map, give or take `sigma` (x [m], y [m], heading [rad]), or "
-           "anywhere. "
-           "Raises InputError for a pose that is not on the map.")
+      .def(
+          "start", &start, "pose"_a = nb::none(), "sigma"_a = std::array<double, 3>{},
+          "ros_covariance"_a = nb::none(),
+          "The robot is at `pose` of the map, or anywhere. How far that is sure: `sigma` of x [m], y [m] and "
+          "heading [rad], or the 36 numbers that ROS has for it. Raises InputError for a pose that is not on "
+          "the map, and for a covariance that is none.")
       .def_prop_ro("has_map", &LiveLocalizer::has_map, "Whether a localizer was put in.")
       .def_prop_ro("started", &LiveLocalizer::started, "Whether scans are answered.")
       .def(

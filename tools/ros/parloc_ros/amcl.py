@@ -139,19 +139,19 @@ class Amcl(RobotNode):
         if kept is not None:
             (x, y, yaw), sigma = kept
             log.info(f"starting at ({x:.2f}, {y:.2f}, {yaw:.2f}), where the node was last")
-            self._start((x, y, yaw), sigma)
+            self._start((x, y, yaw), sigma=sigma)
         elif told["set_initial_pose"]:
             pose = (told["initial_pose.x"], told["initial_pose.y"], told["initial_pose.yaw"])
-            self._start(pose, (self._config.initial_sigma_xy,) * 2 + (self._config.initial_sigma_theta,))
+            self._start(pose, sigma=(self._config.initial_sigma_xy,) * 2 + (self._config.initial_sigma_theta,))
         elif told["find_initial_pose"]:
             log.info("no pose was given: looking on the whole map")
             self._robot.start()
         else:
             log.warning("a pose is wanted: send one on initialpose")
 
-    def _start(self, pose, sigma):
+    def _start(self, pose, **spread):
         try:
-            self._robot.start(pose, sigma)
+            self._robot.start(pose, **spread)
         except parloc.Error as error:
             self.get_logger().error(str(error))
 
@@ -167,8 +167,7 @@ class Amcl(RobotNode):
             log.error("initialpose: expected a quaternion of unit length")
             return
         yaw = math.atan2(2.0 * (turn.w * turn.z + turn.x * turn.y), 1.0 - 2.0 * (turn.y**2 + turn.z**2))
-        variances = message.pose.covariance[0], message.pose.covariance[7], message.pose.covariance[35]
-        self._start((place.x, place.y, yaw), [math.sqrt(max(v, 0.0)) for v in variances])
+        self._start((place.x, place.y, yaw), ros_covariance=message.pose.covariance.tolist())
 
     def _set_pose(self, request, response):
         self._take_pose(request.pose)
