@@ -28,7 +28,10 @@ std::optional<OdometryReading> PoseFilter::Run::take(const Pose& recorded, const
   why_skipped = front_end.refuse(scan);
   if (!why_skipped.empty()) return std::nullopt;
   std::optional<OdometryReading> reading = front_end.take_odometry(scan.stamp_s, recorded);
-  if (!reading) why_skipped = front_end.why_no_odometry();
+  if (reading)
+    front_end.note_taken(scan);
+  else
+    why_skipped = front_end.why_no_odometry();
   return reading;
 }
 

@@ -53,6 +53,12 @@ Pose OdometryTrack::motion(double from_s, double to_s, double twist_s) const {
   return relative(at(to_s, twist_s), at(from_s, twist_s));
 }
 
+Pose OdometryTrack::at(double stamp_s) const {
+  const auto place = std::lower_bound(readings_.begin(), readings_.end(), stamp_s, earlier);
+  if (place != readings_.end() && place->stamp_s == stamp_s) return place->pose;
+  return knows_motion() ? at(stamp_s, kShortestTwist_s) : readings_.back().pose;
+}
+
 Pose OdometryTrack::at(double stamp_s, double twist_s) const {
   const StampedPose &first = readings_.front(), &last = readings_.back();
   if (stamp_s < first.stamp_s) {

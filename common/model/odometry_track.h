@@ -35,10 +35,9 @@ class OdometryTrack {
 
   /// Whether there are two readings far enough apart. Without, the robot is taken to stand still.
   bool knows_motion() const;
-  /// Where the base is at a time, in the frame of the readings, of which there is one at least.
-  Pose at(double stamp_s) const {
-    return knows_motion() ? at(stamp_s, kShortestTwist_s) : readings_.back().pose;
-  }
+  /// Where the base is at a time, in the frame of the readings, of which there is one at least; at the time
+  /// of one exactly that.
+  Pose at(double stamp_s) const;
   /// Where the base is at one time, seen from where it is at another. A twist that goes on beyond the
   /// readings is taken over at least `twist_s`.
   Pose motion(double from_s, double to_s, double twist_s = kShortestTwist_s) const;

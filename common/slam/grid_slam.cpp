@@ -216,6 +216,7 @@ bool GridSlam::step(const Pose& recorded, const Scan& scan) {
     if (!reading) return false;
     odometry = reading->pose;
   }
+  s.front_end.note_taken(scan);
   const bool counts = s.next_odometry(odometry, scan);
   if (!counts) {
     if (s.front_end.odometry()) s.moments.push_back({scan.stamp_s, odometry, s.records.size() - 1, false});
@@ -236,6 +237,13 @@ bool GridSlam::step(const Pose& recorded, const Scan& scan) {
   s.records.push_back(
       {scan.stamp_s, s.last->state.n_eff, s.last->state.resample != 0, s.last->tiles, s.sub_maps.places()});
   return true;
+}
+
+bool GridSlam::step(const Scan& scan) {
+  StepFrontEnd& front_end = state_->front_end;
+  front_end.check(scan);
+  if (!state_->scan_odometry && front_end.refusal(scan).empty()) front_end.prepare_odometry(scan.stamp_s);
+  return step(Pose{}, scan);
 }
 
 std::vector<Pose> GridSlam::poses() const {

@@ -288,5 +288,33 @@ TEST_F(Live, OdometryIsLookedUpAtTheScan) {
   EXPECT_EQ(looked_up.steps(), 10u);
 }
 
+// A scan that was too early for its odometry may be given again.
+TEST_F(Live, AScanWaitsForItsOdometry) {
+  FilterConfig config = small_filter();
+  config.scan.check_stamps = true;
+  ParticleFilter filter = started(config);
+  filter.add_odometry(drive.scans[0].stamp_s, drive.scans[0].odometry);
+  EXPECT_TRUE(filter.step(drive.scans[0].scan).weighted);
+  EXPECT_FALSE(filter.step(drive.scans[8].scan).weighted);
+  for (std::size_t k = 1; k < 9; ++k) filter.add_odometry(drive.scans[k].stamp_s, drive.scans[k].odometry);
+  EXPECT_TRUE(filter.step(drive.scans[8].scan).weighted);
+  EXPECT_FALSE(filter.step(drive.scans[8].scan).weighted);
+}
+
+TEST_F(Live, SlamLooksItUpToo) {
+  GridSlamConfig config = on_cpu(GridSlamConfig());
+  config.slam.particles = 3;
+  config.scan.check_stamps = true;
+  GridSlam given(config), looked_up(config);
+  EXPECT_FALSE(looked_up.step(drive.scans[0].scan));
+  for (const LogRecord& r : drive.scans) {
+    looked_up.add_odometry(r.stamp_s, r.odometry);
+    EXPECT_EQ(looked_up.step(r.scan), given.step(r.odometry, r.scan));
+    EXPECT_FALSE(looked_up.step(r.scan));  // twice
+  }
+  EXPECT_GT(given.records().size(), 3u);
+  EXPECT_EQ(given.digest(), looked_up.digest());
+}
+
 }  // namespace
 }  // namespace parloc

@@ -76,19 +76,23 @@ std::string StepFrontEnd::refusal(const Scan& scan) const {
 }
 
 std::string StepFrontEnd::refuse(const Scan& scan) {
-  if (!config_.scan.check_stamps) return {};
   std::string why = refusal(scan);
+  if (why.empty()) return why;
   Stamps& s = stamps_[lidar_of(scan)];
-  const bool too_old = s.newest_s && *s.newest_s - scan.stamp_s > OdometryTrack::kRemembered_s;
-  if (why.empty()) {
-    s.newest_s = too_old ? scan.stamp_s : std::max(s.newest_s.value_or(scan.stamp_s), scan.stamp_s);
-    s.last_s = scan.stamp_s;
-    s.older = 0, s.refused_s.reset();
-  } else if (too_old) {
-    s.older = s.refused_s && scan.stamp_s > *s.refused_s ? s.older + 1 : 1;
-    s.refused_s = scan.stamp_s;
-  }
+  if (*s.newest_s - scan.stamp_s <= OdometryTrack::kRemembered_s) return why;
+  s.older = s.refused_s && scan.stamp_s > *s.refused_s ? s.older + 1 : 1;
+  s.refused_s = scan.stamp_s;
   return why;
+}
+
+void StepFrontEnd::note_taken(const Scan& scan) {
+  if (!config_.scan.check_stamps) return;
+  Stamps& s = stamps_[lidar_of(scan)];
+  const bool set_back = s.newest_s && *s.newest_s - scan.stamp_s > OdometryTrack::kRemembered_s;
+  s.newest_s = set_back ? scan.stamp_s : std::max(s.newest_s.value_or(scan.stamp_s), scan.stamp_s);
+  s.last_s = scan.stamp_s;
+  s.older = 0;
+  s.refused_s.reset();
 }
 
 std::optional<OdometryReading> StepFrontEnd::prepare_odometry(double stamp_s, const Pose& odometry) {

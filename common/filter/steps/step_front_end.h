@@ -30,8 +30,10 @@ class StepFrontEnd {
   void check(const Scan& scan) const { (void)setup_of(scan); }
   /// Why a scan is not to be taken, by scan.check_stamps; empty if it is.
   std::string refusal(const Scan& scan) const;
-  /// The same, and remembers the scan's stamp. Once per step.
+  /// The same, and counts those that are refused. Once per step.
   std::string refuse(const Scan& scan);
+  /// Remembers the stamp of a scan that is taken.
+  void note_taken(const Scan& scan);
   /// A reading between steps, in any order. One that is not finite is left out.
   void add_odometry(double stamp_s, const Pose& odometry) {
     track_.add(stamp_s - config_.motion.odometry_delay_s, scaler_.take(odometry));
