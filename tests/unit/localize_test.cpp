@@ -180,7 +180,7 @@ TEST(FindModes, TheHeaviestIsTheEstimatesCluster) {
   ParticleFilter filter(config, map);
   const TrialLog log = test::drive(map, TrialTask::track, 1.0, 5);
   const Pose truth = log.truth.front().pose;
-  filter.start_at({{truth, 0.1, 0.05, 2.0}, {{truth.x_m + 2.0, truth.y_m, truth.theta_rad}, 0.1, 0.05, 1.0}});
+  filter.start_at({{truth, 0.1, 0.05, 2.0}, {{truth.x_m - 2.0, truth.y_m, truth.theta_rad}, 0.1, 0.05, 1.0}});
   const Estimate e = filter.step(log.records.front().odometry, log.records.front().scan);
   const std::vector<Mode> modes = find_modes(filter.particles(), 0.0);
   ASSERT_FALSE(modes.empty());
