@@ -16,7 +16,8 @@ from parloc_ros.heartbeat import Heartbeat
 LATCHED = QoSProfile(depth=1, reliability=QoSReliabilityPolicy.RELIABLE, durability=QoSDurabilityPolicy.TRANSIENT_LOCAL)
 TRANSFORMS = QoSProfile(depth=100)
 FIXED_TRANSFORMS = QoSProfile(depth=100, durability=QoSDurabilityPolicy.TRANSIENT_LOCAL)
-SCANS = QoSProfile(depth=10, reliability=QoSReliabilityPolicy.BEST_EFFORT)
+# More than a second of scans: what comes too late is dropped by the node, in words, and not on the way.
+SCANS = QoSProfile(depth=100, reliability=QoSReliabilityPolicy.BEST_EFFORT)
 
 
 class RobotNode(LifecycleNode):
