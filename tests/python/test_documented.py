@@ -39,7 +39,7 @@ def test_every_setting_has_a_docstring():
 
 
 def test_stubs_are_shipped():
-    stub = (Path(parloc.__file__).parent / "_parloc.pyi").read_text()
-    assert "class Localizer:" in stub and "def sigma_hit(self) -> float:" in stub
+    declared = (Path(parloc.__file__).parent / "_parloc.pyi").read_text()
+    assert "class Localizer:" in declared and "def sigma_hit(self) -> float:" in declared
     assert (Path(parloc.__file__).parent / "py.typed").exists()
-    compile(stub, "_parloc.pyi", "exec")
+    compile(declared, "_parloc.pyi", "exec")

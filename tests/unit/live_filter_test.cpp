@@ -12,6 +12,7 @@
 #include "common/flow/flow_filter.h"
 #include "common/localize/localizer.h"
 #include "tests/unit/expect.h"
+#include "tests/unit/live_drive.h"
 #include "tests/unit/localize_scenes.h"
 #include "tests/unit/small_drive.h"
 
@@ -26,21 +27,7 @@ FilterConfig live_config(std::int64_t particles = 300) {
   return c;
 }
 
-class LiveFilter : public testing::Test {
- protected:
-  const GridMap room = test::small_room();
-  const test::SmallDrive drive = test::small_drive(room, 20);
-  const Pose start = drive.truth.front().pose;
-
-  ParticleFilter started(const FilterConfig& config) const {
-    ParticleFilter filter(config, room);
-    filter.start_at(start, 0.1, 0.1, 0.05);
-    return filter;
-  }
-  Estimate step(ParticleFilter& filter, std::size_t k) const {
-    return filter.step(drive.scans[k].odometry, drive.scans[k].scan);
-  }
-};
+class LiveFilter : public LiveDrive {};
 
 TEST_F(LiveFilter, ADiagonalCovarianceStartsWithTheBitsOfItsDeviations) {
   ParticleFilter by_sigmas(live_config(), room), by_covariance(live_config(), room);

@@ -15,6 +15,7 @@
 #include "common/search/global_search.h"
 #include "common/slam/grid_slam.h"
 #include "tests/unit/expect.h"
+#include "tests/unit/live_drive.h"
 #include "tests/unit/small_drive.h"
 
 namespace parloc {
@@ -35,21 +36,7 @@ FilterConfig small_filter() {
   return on_cpu(c);
 }
 
-class Live : public testing::Test {
- protected:
-  const GridMap room = test::small_room();
-  const test::SmallDrive drive = test::small_drive(room, 20);
-  const Pose start = drive.truth.front().pose;
-
-  ParticleFilter started(const FilterConfig& config) const {
-    ParticleFilter filter(config, room);
-    filter.start_at(start, 0.1, 0.1, 0.05);
-    return filter;
-  }
-  Estimate step(ParticleFilter& filter, std::size_t k) const {
-    return filter.step(drive.scans[k].odometry, drive.scans[k].scan);
-  }
-};
+class Live : public LiveDrive {};
 
 TEST_F(Live, AMapThatIsNoneIsRefusedByAllThatTakeOne) {
   const auto broken = [&](auto&& breaks) {
