@@ -15,8 +15,6 @@ constexpr std::int32_t kFarthestTile = 1 << 24;
 /// Tiles that are in host memory at once.
 constexpr std::size_t kTilesAtOnce = 256;
 constexpr std::size_t kCells = kTileCells * kTileCells;
-/// Readings of the odometry whose stamps stood still, more than a ContinuousOdometry counts.
-constexpr std::uint64_t kMostStoodStill = 100;
 
 /// from[k] becomes to[k].
 void rename(std::vector<std::uint32_t>& table, const std::vector<std::uint32_t>& from,
@@ -98,76 +96,6 @@ Trajectory get_trajectory(ByteReader& r) {
   return r.get_each(32, [](ByteReader& in) {
     const double stamp_s = in.get<double>();
     return StampedPose{stamp_s, get_pose(in)};
-  });
-}
-
-std::vector<StampedPose> get_readings(ByteReader& r) {
-  std::vector<StampedPose> readings = get_trajectory(r);
-  const auto no_later = [](const StampedPose& a, const StampedPose& b) { return !(a.stamp_s < b.stamp_s); };
-  const auto wrong = std::adjacent_find(readings.begin(), readings.end(), no_later);
-  const bool finite = std::all_of(readings.begin(), readings.end(),
-                                  [](const StampedPose& p) { return std::isfinite(p.stamp_s); });
-  r.expect(wrong == readings.end() && finite, "odometry in order");
-  return readings;
-}
-
-namespace {
-/// Every count of a LidarUse, in the order of the file.
-template <class Use, class Visit>
-void visit_counts(Use& use, const Visit& visit) {
-  auto& b = use.beams;
-  for (auto* count :
-       {&use.scans, &use.too_few, &use.smallest, &use.largest, &use.moving, &use.unknown_motion, &b.total,
-        &b.considered, &b.used, &b.misses, &b.nan, &b.infinite, &b.negative, &b.zero, &b.below_min})
-    visit(*count);
-}
-}  // namespace
-
-void put_odometry_memory(ByteWriter& w, const std::optional<OdometryMemory>& memory) {
-  w.put_bool(memory.has_value());
-  if (!memory) return;
-  for (const Pose& pose : {memory->raw, memory->pose, memory->step}) put_pose(w, pose);
-  for (const double time_s : {memory->stamp_s, memory->step_s, memory->since_s}) w.put(time_s);
-  w.put_count(static_cast<std::size_t>(memory->stood_still));
-  w.put_bool(memory->rebased);
-}
-std::optional<OdometryMemory> get_odometry_memory(ByteReader& r) {
-  if (!r.get_bool()) return std::nullopt;
-  OdometryMemory memory;
-  for (Pose* pose : {&memory.raw, &memory.pose, &memory.step}) *pose = get_pose(r);
-  for (double* time_s : {&memory.stamp_s, &memory.step_s, &memory.since_s}) {
-    *time_s = r.get<double>();
-    r.expect(std::isfinite(*time_s), "times of the odometry that are numbers");
-  }
-  const auto stood_still = r.get<std::uint64_t>();
-  r.expect(stood_still <= kMostStoodStill, "a count of stamps that can be");
-  memory.stood_still = static_cast<int>(stood_still);
-  memory.rebased = r.get_bool();
-  return memory;
-}
-void put_scaler_memory(ByteWriter& w, const std::optional<OdometryScaler::Memory>& memory) {
-  w.put_bool(memory.has_value());
-  if (memory) put_pose(w, memory->raw), put_pose(w, memory->pose);
-}
-std::optional<OdometryScaler::Memory> get_scaler_memory(ByteReader& r) {
-  if (!r.get_bool()) return std::nullopt;
-  const Pose raw = get_pose(r);
-  return OdometryScaler::Memory{raw, get_pose(r)};
-}
-void put_lidars(ByteWriter& w, const std::vector<LidarUse>& lidars) {
-  w.put_each(lidars, [](ByteWriter& out, const LidarUse& use) {
-    out.put_text(use.name);
-    out.put(std::int32_t{use.max_beams});
-    visit_counts(use, [&](const std::size_t& count) { out.put_count(count); });
-  });
-}
-std::vector<LidarUse> get_lidars(ByteReader& r) {
-  return r.get_each(132, [](ByteReader& in) {
-    LidarUse use;
-    use.name = in.get_text();
-    use.max_beams = in.get<std::int32_t>();
-    visit_counts(use, [&](std::size_t& count) { count = in.get<std::uint64_t>(); });
-    return use;
   });
 }
 

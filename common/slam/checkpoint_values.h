@@ -2,15 +2,12 @@
 // checked as far as computing with it needs; get_... throw Error{input}.
 #pragma once
 
-#include <optional>
 #include <vector>
 
 #include "common/file/bytes.h"
+#include "common/filter/steps/step_front_end.h"
 #include "common/math/pose.h"
-#include "common/model/beam_counts.h"
 #include "common/model/beams.h"
-#include "common/model/continuous_odometry.h"
-#include "common/model/odometry_scaler.h"
 #include "common/model/trajectory.h"
 #include "common/slam/scan_odometry.h"
 #include "common/slam/slam_backend.h"
@@ -21,16 +18,10 @@ void put_pose(ByteWriter& w, const Pose& pose);
 Pose get_pose(ByteReader& r);
 void put_trajectory(ByteWriter& w, const Trajectory& trajectory);
 Trajectory get_trajectory(ByteReader& r);
-/// Of an OdometryTrack.
-std::vector<StampedPose> get_readings(ByteReader& r);
-/// Of a ContinuousOdometry.
-void put_odometry_memory(ByteWriter& w, const std::optional<OdometryMemory>& memory);
-std::optional<OdometryMemory> get_odometry_memory(ByteReader& r);
-/// Of an OdometryScaler.
-void put_scaler_memory(ByteWriter& w, const std::optional<OdometryScaler::Memory>& memory);
-std::optional<OdometryScaler::Memory> get_scaler_memory(ByteReader& r);
-void put_lidars(ByteWriter& w, const std::vector<LidarUse>& lidars);
-std::vector<LidarUse> get_lidars(ByteReader& r);
+
+/// Configured as the one that was put.
+void put_front_end(ByteWriter& w, const StepFrontEnd& front_end);
+void get_front_end(ByteReader& r, StepFrontEnd& front_end);
 
 void put_beams(ByteWriter& w, const BeamTable& beams);
 BeamTable get_beams(ByteReader& r);

@@ -161,12 +161,7 @@ void GridSlam::save(const std::string& path, const std::string& own) const {
 
 void GridSlam::State::save(ByteWriter& w) const {
   put_backend(w, *backend);
-  put_trajectory(w, front_end.track().readings());
-  put_lidars(w, front_end.lidars_used());
-  w.put_bool(front_end.odometry().has_value());
-  if (front_end.odometry()) put_pose(w, *front_end.odometry());
-  put_odometry_memory(w, front_end.continuous().memory());
-  if (front_end.scaler().active()) put_scaler_memory(w, front_end.scaler().memory());
+  put_front_end(w, front_end);
   w.put_each(moments, put_moment);
   w.put_each(odometry_of, put_pose);
   w.put_each(records, put_record);
@@ -178,11 +173,7 @@ void GridSlam::State::save(ByteWriter& w) const {
 
 void GridSlam::State::load(ByteReader& r) {
   last = &get_backend(r, *backend, config.slam);
-  front_end.track().set_readings(get_readings(r));
-  front_end.set_lidars_used(get_lidars(r));
-  if (r.get_bool()) front_end.set_odometry(get_pose(r));
-  front_end.continuous().restore(get_odometry_memory(r));
-  if (front_end.scaler().active()) front_end.scaler().restore(get_scaler_memory(r));
+  get_front_end(r, front_end);
   moments = r.get_each(41, get_moment);
   odometry_of = r.get_each(24, get_pose);
   records = r.get_each(33, get_record);

@@ -144,6 +144,21 @@ TEST(SlamCheckpoint, NorDoesOneOfOdometryOutOfScale) {
     expect_no_trace(whole, scans, std::min<std::size_t>(scans + 9, 60), 2);
 }
 
+TEST(SlamCheckpoint, NorDoesOneBeforeAScanThatComesTwice) {
+  GridSlamConfig c = config();
+  c.scan.check_stamps = true;
+  GridSlam whole(c);
+  run(whole, 0, 10);
+  const test::TempFile file("checkpoint");
+  whole.save(file.path());
+  GridSlam slam{SlamCheckpoint(file.path())};
+  Pose far = drive().at(9).odometry;
+  far.x_m += 1.0;  // would count
+  EXPECT_FALSE(slam.step(far, drive().at(9).scan));
+  EXPECT_FALSE(whole.step(far, drive().at(9).scan));
+  expect_same(whole, slam);
+}
+
 TEST(SlamCheckpoint, SavingChangesNothing) {
   const test::TempFile file("checkpoint");
   GridSlam whole(config()), watched(config());

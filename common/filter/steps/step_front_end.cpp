@@ -55,14 +55,14 @@ void StepFrontEnd::warn_of_name(const std::string& name) const {
                   printable(name), is_near ? "is it" : "they list", nearest));
 }
 
-const StepFrontEnd::Stamps* StepFrontEnd::stamps_of(const Scan& scan) const {
+const LidarStamps* StepFrontEnd::stamps_of(const Scan& scan) const {
   for (std::size_t k = 0; k < used_.size(); ++k)
     if (used_[k].name == scan.sensor) return &stamps_[k];
   return nullptr;
 }
 
 std::string StepFrontEnd::refusal(const Scan& scan) const {
-  const Stamps* const s = config_.scan.check_stamps ? stamps_of(scan) : nullptr;
+  const LidarStamps* const s = config_.scan.check_stamps ? stamps_of(scan) : nullptr;
   if (s == nullptr || !s->newest_s) return {};
   if (scan.stamp_s == *s->last_s || scan.stamp_s == *s->newest_s)
     return "a scan of this LiDAR with this stamp was taken already";
@@ -78,7 +78,7 @@ std::string StepFrontEnd::refusal(const Scan& scan) const {
 std::string StepFrontEnd::refuse(const Scan& scan) {
   std::string why = refusal(scan);
   if (why.empty()) return why;
-  Stamps& s = stamps_[lidar_of(scan)];
+  LidarStamps& s = stamps_[lidar_of(scan)];
   if (*s.newest_s - scan.stamp_s <= OdometryTrack::kRemembered_s) return why;
   s.older = s.refused_s && scan.stamp_s > *s.refused_s ? s.older + 1 : 1;
   s.refused_s = scan.stamp_s;
@@ -87,7 +87,7 @@ std::string StepFrontEnd::refuse(const Scan& scan) {
 
 void StepFrontEnd::note_taken(const Scan& scan) {
   if (!config_.scan.check_stamps) return;
-  Stamps& s = stamps_[lidar_of(scan)];
+  LidarStamps& s = stamps_[lidar_of(scan)];
   const bool set_back = s.newest_s && *s.newest_s - scan.stamp_s > OdometryTrack::kRemembered_s;
   s.newest_s = set_back ? scan.stamp_s : std::max(s.newest_s.value_or(scan.stamp_s), scan.stamp_s);
   s.last_s = scan.stamp_s;

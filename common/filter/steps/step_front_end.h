@@ -17,6 +17,12 @@
 
 namespace parloc {
 
+/// Of one LiDAR, for scan.check_stamps.
+struct LidarStamps {
+  std::optional<double> last_s, newest_s, refused_s;  ///< Taken; taken; too old, the last of `older`.
+  int older = 0;                                      ///< Scans in a row that were refused for that.
+};
+
 /// Follows one drive. Nothing that it is given throws but a scan whose arrays do not fit together.
 class StepFrontEnd {
  public:
@@ -74,10 +80,18 @@ class StepFrontEnd {
   BeamTable beams_of(const Scan& scan, const SensorConfig& sensor, double resolution_m) const;
   std::vector<EndPoint> end_points_of(const Scan& scan) const;
 
+  /// Whether the odometry has jumped since the last step.
+  bool jumped() const { return jumped_; }
+  void set_jumped(bool jumped) { jumped_ = jumped; }
+
   /// By LiDAR, in the order in which they came.
   const std::vector<LidarUse>& lidars_used() const { return used_; }
   /// Goes on counting from there.
   void set_lidars_used(std::vector<LidarUse> used);
+  /// Of the same LiDARs; of use with scan.check_stamps alone.
+  const std::vector<LidarStamps>& stamps() const { return stamps_; }
+  /// Goes on from there. As many as lidars_used().
+  void set_stamps(std::vector<LidarStamps> stamps) { stamps_ = std::move(stamps); }
   BeamCounts beam_counts() const;  ///< Summed over all LiDARs.
   OdometryTrack& track() { return track_; }
   const OdometryTrack& track() const { return track_; }
@@ -87,15 +101,10 @@ class StepFrontEnd {
   const ContinuousOdometry& continuous() const { return continuous_; }
 
  private:
-  /// Of one LiDAR, for scan.check_stamps.
-  struct Stamps {
-    std::optional<double> last_s, newest_s, refused_s;  ///< Taken; taken; too old, the last of `older`.
-    int older = 0;                                      ///< Scans in a row that were refused for that.
-  };
   LidarSetup setup_of(const Scan& scan) const {
     return lidar_setup(scan, config_.scan, find_lidar(config_.lidars, scan.sensor));
   }
-  const Stamps* stamps_of(const Scan& scan) const;
+  const LidarStamps* stamps_of(const Scan& scan) const;
   std::optional<OdometryReading> take_in(double stamp_s, const Pose& odometry);
   void warn(bool& told, const std::string& text) const;
   void warn_of_name(const std::string& name) const;
@@ -106,7 +115,7 @@ class StepFrontEnd {
   OdometryTrack track_;
   std::vector<LidarUse> used_;
   std::vector<BeamDirections> directions_;  ///< Of each LiDAR.
-  std::vector<Stamps> stamps_;              ///< Likewise.
+  std::vector<LidarStamps> stamps_;         ///< Likewise.
   ContinuousOdometry continuous_;
   std::optional<OdometryReading> prepared_;
   bool is_prepared_ = false;
