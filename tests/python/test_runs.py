@@ -148,6 +148,19 @@ def test_interrupt_ends_a_run_between_two_scans(corridor, start):
     assert time.monotonic() - begun < 30 and localizer.steps > 0
 
 
+def test_what_there_was_before_a_damaged_record_is_kept(corridor, start):
+    def damaged():
+        for k, record in enumerate(parloc.open_log(LOG)):
+            if k == 12:
+                raise parloc.InputError("damaged from here on")
+            yield record
+
+    with pytest.raises(parloc.InputError, match="damaged") as told:
+        parloc.Localizer(corridor, CONFIG).run(damaged(), start=start)
+    whole = parloc.Localizer(corridor, CONFIG).run(LOG, start=start)
+    assert len(told.value.track) == 12 and (told.value.track.poses == whole.poses[:12]).all()
+
+
 def test_interrupt_ends_a_search_and_a_simulation(corridor):
     killer = threading.Timer(0.2, signal.raise_signal, [signal.SIGINT])
     killer.start()

@@ -125,13 +125,23 @@ def run(filter: Any, log: LogLike, start: Any = None, progress: ProgressOption =
     """Takes in all scans of a log: what `filter.run(...)` calls."""
     _start(filter, start)
     stamps_s, estimates = [], []
+
+    def so_far() -> Track:
+        return Track(filter.map, stamps_s[: len(estimates)], estimates, filter.digest())
+
     scans = iter_scans(log, filter.config)
-    with reporting(progress, scans) as tell:
-        for record in scans:
-            stamps_s.append(record.stamp_s)
-            estimates.append(filter.step(record))
-            tell(len(estimates))
-    return Track(filter.map, stamps_s, estimates, filter.digest())
+    try:
+        with reporting(progress, scans) as tell:
+            for record in scans:
+                stamps_s.append(record.stamp_s)
+                estimates.append(filter.step(record))
+                tell(len(estimates))
+    except BaseException as stop:
+        # Ctrl-C, or a log that is damaged further on: an hour's work is not lost.
+        if estimates:
+            stop.track = so_far()
+        raise
+    return so_far()
 
 
 def run_slam(slam: _parloc.GridSlam, log: LogLike, progress: ProgressOption = False) -> int:
