@@ -3,18 +3,16 @@
 #include <unistd.h>
 
 #include <CLI/CLI.hpp>
-#include <algorithm>
-#include <cctype>
 #include <cstdio>
 #include <cstdlib>
 #include <exception>
 #include <new>
 #include <string>
-#include <string_view>
 #include <vector>
 
 #include "common/error.h"
 #include "tools/program/commands.h"
+#include "tools/program/typed_command.h"
 
 namespace parloc::tools {
 namespace {
@@ -40,26 +38,7 @@ int complain(std::string message, ErrorKind kind) {
   return static_cast<int>(kind);
 }
 
-/// The command line as one would type it again in a shell.
-std::string typed_command(int argc, char** argv) {
-  std::string typed;
-  for (int i = 0; i < argc; ++i) {
-    std::string word = argv[i];
-    const bool plain = !word.empty() && std::all_of(word.begin(), word.end(), [](unsigned char c) {
-      return std::isalnum(c) != 0 ||
-             std::string_view("-_./,:=+@%").find(static_cast<char>(c)) != std::string_view::npos;
-    });
-    if (!plain) {
-      std::string quoted = "'";
-      for (const char c : word) quoted += c == '\'' ? std::string("'\\''") : std::string(1, c);
-      word = quoted + "'";
-    }
-    typed += (i > 0 ? " " : "") + word;
-  }
-  return typed;
-}
-
-int run_program(int argc, char** argv) {
+int run_program(const std::vector<std::string>& words) {
   CLI::App program("Localizes a mobile robot with a 2D LiDAR on a known map.", "parloc");
   program.set_version_flag("--version", "parloc " PARLOC_VERSION);
   program.require_subcommand(1);
@@ -71,8 +50,11 @@ int run_program(int argc, char** argv) {
                          add_map_command, add_log_command, add_config_command, add_evaluate_command,
                          add_compare_command, add_slam_command, add_bench_command, add_devices_command})
     commands.push_back(add(program));
+  commands.push_back(add_merge_command(program, run_program));
+  std::vector<const char*> argv;
+  for (const std::string& word : words) argv.push_back(word.c_str());
   try {
-    program.parse(argc, argv);
+    program.parse(static_cast<int>(argv.size()), argv.data());
   } catch (const CLI::ParseError& e) {
     if (e.get_exit_code() == 0) return program.exit(e);  // --help, --version
     std::string where = "parloc";
@@ -82,7 +64,7 @@ int run_program(int argc, char** argv) {
     return complain(fmt::format("{} (see {} --help)", e.what(), where), ErrorKind::usage);
   }
   for (const Command& command : commands) {
-    if (command.app->parsed()) return command.run(typed_command(argc, argv));
+    if (command.app->parsed()) return command.run(typed_command(words));
   }
   return complain("expected a command (see parloc --help)", ErrorKind::usage);
 }
@@ -95,7 +77,7 @@ int main(int argc, char** argv) {
   using parloc::tools::complain;
   parloc::tools::wait_briefly(argv);
   try {
-    const int code = parloc::tools::run_program(argc, argv);
+    const int code = parloc::tools::run_program({argv, argv + argc});
     if (std::fflush(stdout) != 0 || std::ferror(stdout) != 0) {
       return complain("standard output cannot be written", ErrorKind::output);
     }

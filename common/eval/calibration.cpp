@@ -9,25 +9,6 @@ namespace {
 
 constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
 
-/// By ranks, tied forecasts in one group.
-double area_under_curve(std::vector<Forecast> forecasts, std::size_t came_true) {
-  const auto trues = static_cast<double>(came_true);
-  const auto falses = static_cast<double>(forecasts.size() - came_true);
-  std::sort(forecasts.begin(), forecasts.end(),
-            [](const Forecast& a, const Forecast& b) { return a.probability < b.probability; });
-  double won = 0.0, falses_below = 0.0;
-  for (std::size_t begin = 0; begin < forecasts.size();) {
-    std::size_t end = begin;
-    double trues_here = 0.0, falses_here = 0.0;
-    for (; end < forecasts.size() && forecasts[end].probability == forecasts[begin].probability; ++end)
-      (forecasts[end].truth ? trues_here : falses_here) += 1.0;
-    won += trues_here * (falses_below + 0.5 * falses_here);
-    falses_below += falses_here;
-    begin = end;
-  }
-  return trues > 0 && falses > 0 ? won / (trues * falses) : kNan;
-}
-
 }  // namespace
 
 Rate wilson_rate(std::size_t hits, std::size_t trials) {
@@ -41,28 +22,42 @@ Rate wilson_rate(std::size_t hits, std::size_t trials) {
   return {hits, trials, p, std::max(0.0, middle - half), std::min(1.0, middle + half)};
 }
 
-Calibration check_calibration(const std::vector<Forecast>& forecasts) {
+CalibrationTally::CalibrationTally()
+    : true_(SampleMark::kProbabilities, 0), false_(SampleMark::kProbabilities, 0) {}
+
+void CalibrationTally::add(double probability, bool came_true) {
+  ++(came_true ? true_ : false_)[SampleMark::probability_place(probability)];
+}
+void CalibrationTally::add(SampleMark mark) {
+  ++(mark.right() ? true_ : false_)[mark.probability_place()];
+}
+
+Calibration CalibrationTally::calibration() const {
   Calibration c;
-  c.count = forecasts.size();
   c.bins.resize(10);
-  double squares = 0.0;
-  for (const Forecast& f : forecasts) {
-    const double outcome = f.truth ? 1.0 : 0.0;
-    squares += (f.probability - outcome) * (f.probability - outcome);
-    c.came_true += f.truth ? 1 : 0;
-    ReliabilityBin& bin =
-        c.bins[static_cast<std::size_t>(std::clamp(std::floor(10.0 * f.probability), 0.0, 9.0))];
-    ++bin.count;
-    bin.forecast_mean += f.probability;
-    bin.observed += outcome;
+  double squares = 0.0, won = 0.0, falses_below = 0.0;
+  for (std::uint32_t place = 0; place < SampleMark::kProbabilities; ++place) {
+    if (true_[place] + false_[place] == 0) continue;
+    const double p = SampleMark::probability_at(place);
+    const auto trues = static_cast<double>(true_[place]), falses = static_cast<double>(false_[place]);
+    squares += trues * (1.0 - p) * (1.0 - p) + falses * p * p;
+    won += trues * (falses_below + 0.5 * falses);
+    falses_below += falses;
+    c.came_true += true_[place];
+    c.count += true_[place] + false_[place];
+    ReliabilityBin& bin = c.bins[static_cast<std::size_t>(std::min(9.0, std::floor(10.0 * p)))];
+    bin.count += true_[place] + false_[place];
+    bin.forecast_mean += (trues + falses) * p;
+    bin.observed += trues;
   }
   for (ReliabilityBin& bin : c.bins) {
     const auto count = static_cast<double>(bin.count);  // none: 0 / 0 is NaN, as it should be
     bin.forecast_mean /= count;
     bin.observed /= count;
   }
+  const auto trues = static_cast<double>(c.came_true);
   c.brier = squares / static_cast<double>(c.count);
-  c.auc = area_under_curve(forecasts, c.came_true);
+  c.auc = trues > 0 && falses_below > 0 ? won / (trues * falses_below) : kNan;
   return c;
 }
 

@@ -2,7 +2,10 @@
 #pragma once
 
 #include <cstddef>
+#include <cstdint>
 #include <vector>
+
+#include "common/eval/sample_mark.h"
 
 namespace parloc {
 
@@ -13,12 +16,6 @@ struct Rate {
   double low = 0, high = 1;  ///< Wilson 1927.
 };
 Rate wilson_rate(std::size_t hits, std::size_t trials);
-
-/// A probability that was given for something, and whether it came true.
-struct Forecast {
-  double probability;
-  bool truth;
-};
 
 /// Forecasts of one tenth of the probabilities.
 struct ReliabilityBin {
@@ -35,7 +32,19 @@ struct Calibration {
   double auc = 0;
   std::vector<ReliabilityBin> bins;  ///< Ten: [0, 0.1), ..., [0.9, 1].
 };
-Calibration check_calibration(const std::vector<Forecast>& forecasts);
+
+/// Counts probabilities that were given for something, and what came true, in memory that does not grow. A
+/// probability is counted to 1/65535 (SampleMark). Whatever the order, the same.
+class CalibrationTally {
+ public:
+  CalibrationTally();
+  void add(double probability, bool came_true);
+  void add(SampleMark mark);
+  Calibration calibration() const;
+
+ private:
+  std::vector<std::uint64_t> true_, false_;  ///< By the probability's place.
+};
 
 /// Mean difference of what was said and what came true, over the bins by their counts (Naeini et al. 2015).
 /// NaN without a forecast.

@@ -81,6 +81,14 @@ void start(Localizer& localizer, const TrialPlan& plan, const std::optional<Pose
 
 }  // namespace
 
+std::vector<SampleMark> marks_of(const TrialPlan& plan, const std::vector<TrialSample>& samples) {
+  std::vector<SampleMark> marks;
+  marks.reserve(samples.size());
+  for (const TrialSample& s : samples)
+    marks.emplace_back(s.probability, is_right(plan, s), s.step_ms, s.searched);
+  return marks;
+}
+
 std::optional<TrialResult> run_trial(Localizer& localizer, const TrialPlan& plan, const TrialLog& log,
                                      std::uint64_t seed,
                                      const std::function<bool(double fraction)>& keep_going) {
@@ -118,6 +126,7 @@ std::optional<TrialResult> run_trial(Localizer& localizer, const TrialPlan& plan
   if (result.samples.empty())
     throw Error(ErrorKind::input, "expected the true pose at some scans of the trial, found none");
   if (begin) result.start = *begin;
+  result.marks = marks_of(plan, result.samples);
   result.searches = localizer.searches();
   result.outcome = judge_trial(plan, result.samples, since_s);
   return result;

@@ -7,6 +7,7 @@
 #include <optional>
 #include <vector>
 
+#include "common/eval/sample_mark.h"
 #include "common/eval/trial.h"
 #include "common/localize/localizer.h"
 
@@ -17,10 +18,13 @@ struct TrialResult {
   double begun_s = 0.0;  ///< Stamp of the first scan.
   Pose start;            ///< The truth where it had to find itself: at the first scan, or once kidnapped.
   std::vector<TrialSample> samples;  ///< At the scans whose true pose is known.
+  std::vector<SampleMark> marks;     ///< Of the same, for statistics; stay where `samples` are not kept.
   TrialOutcome outcome;
   std::size_t searches = 0;
   std::size_t hits = 0, unmapped = 0;  ///< As the log has them.
 };
+
+std::vector<SampleMark> marks_of(const TrialPlan& plan, const std::vector<TrialSample>& samples);
 
 /// Runs the trial from its start; nothing of what the localizer did before counts. `keep_going`, if given, is
 /// told the fraction done after every scan; false ends the trial, which then has no result. Throws

@@ -5,91 +5,112 @@
 #include <limits>
 #include <utility>
 
-#include "common/math/quantile.h"
-
 namespace parloc {
 namespace {
 
 constexpr double kUnknown = std::numeric_limits<double>::quiet_NaN();
 
-template <class Holds>
-Rate rate_of(const std::vector<TrialResult>& trials, Holds holds) {
-  return wilson_rate(
-      static_cast<std::size_t>(std::count_if(trials.begin(), trials.end(),
-                                             [&](const TrialResult& t) { return holds(t.outcome); })),
-      trials.size());
-}
+/// Takes in one trial after the other.
+class Tally {
+ public:
+  Tally(const TrialPlan& plan, double limit_s) : plan_(plan), limit_s_(limit_s) {}
+  void add(const TrialResult& trial);
+  TrialSummary summary() const;
 
-void add_rates(const TrialPlan& plan, double limit_s, const std::vector<TrialResult>& trials,
-               TrialSummary& s) {
-  s.success = rate_of(trials, [&](const TrialOutcome& o) { return succeeded(o, limit_s); });
-  s.localized = rate_of(trials, [](const TrialOutcome& o) { return o.localized_after_s.has_value(); });
-  const Rate kept = rate_of(
-      trials, [](const TrialOutcome& o) { return o.localized_after_s.has_value() && o.wrong_since == 0; });
-  s.right_after = wilson_rate(kept.hits, s.localized.hits);
-  s.confident_wrong = rate_of(trials, [](const TrialOutcome& o) { return o.confident_wrong > 0; });
-  s.confident_wrong_1s = rate_of(trials, [](const TrialOutcome& o) { return o.confident_wrong_s >= 1.0; });
-  if (plan.task != TrialTask::kidnap) return;
-  s.tracked_before = rate_of(trials, [](const TrialOutcome& o) { return o.tracked_before; });
+ private:
+  void count(const TrialResult& trial);
+  void add_rates(TrialSummary& s) const;
+  void add_errors(TrialSummary& s) const;
+
+  const TrialPlan& plan_;
+  double limit_s_;
+  TrialSummary sums_;  ///< What is a sum already.
+  std::size_t succeeded_ = 0, localized_ = 0, kept_ = 0, wrong_ = 0, wrong_1s_ = 0, tracked_ = 0,
+              noticed_ = 0;
+  std::vector<double> localize_s_, notice_s_, nees_;
+  double squares_m2_ = 0.0, missed_s_ = 0.0, hits_ = 0.0, unmapped_ = 0.0, searches_ = 0.0;
+  std::size_t since_ = 0;
+  TimeTally step_, search_;
+  CalibrationTally calibration_;
+};
+
+void Tally::count(const TrialResult& trial) {
+  const TrialOutcome& o = trial.outcome;
+  if (succeeded(o, limit_s_))
+    ++succeeded_;
+  else
+    sums_.failed.push_back(trial.seed);
+  if (o.localized_after_s) {
+    ++localized_;
+    kept_ += o.wrong_since == 0 ? 1 : 0;
+    localize_s_.push_back(*o.localized_after_s);
+  }
+  wrong_ += o.confident_wrong > 0 ? 1 : 0;
+  wrong_1s_ += o.confident_wrong_s >= 1.0 ? 1 : 0;
+  if (plan_.task != TrialTask::kidnap) return;
+  tracked_ += o.tracked_before ? 1 : 0;
+  if (!o.noticed_after_s) return;
   // Stamps are sums of decimals: a last bit must not decide.
-  s.noticed = rate_of(trials, [&](const TrialOutcome& o) {
-    return o.noticed_after_s && *o.noticed_after_s <= plan.grace_s + 1e-9;
-  });
+  noticed_ += *o.noticed_after_s <= plan_.grace_s + 1e-9 ? 1 : 0;
+  notice_s_.push_back(*o.noticed_after_s);
 }
 
-void add_spreads(const TrialPlan& plan, const std::vector<TrialResult>& trials, TrialSummary& s) {
-  std::vector<double> localize_s, notice_s, step_ms, search_ms;
-  for (const TrialResult& t : trials) {
-    if (t.outcome.localized_after_s) localize_s.push_back(*t.outcome.localized_after_s);
-    if (t.outcome.noticed_after_s && plan.task == TrialTask::kidnap)
-      notice_s.push_back(*t.outcome.noticed_after_s);
-    for (const TrialSample& sample : t.samples)
-      (sample.searched ? search_ms : step_ms).push_back(sample.step_ms);
-    const auto searches = static_cast<double>(t.searches);
-    s.searches_mean += searches / static_cast<double>(trials.size());
-    s.searches_most = std::max(s.searches_most, searches);
+void Tally::add(const TrialResult& trial) {
+  const TrialOutcome& o = trial.outcome;
+  ++sums_.trials;
+  count(trial);
+  sums_.samples += o.samples;
+  sums_.right_s += o.right_s;
+  sums_.wrong_s += o.wrong_s;
+  sums_.false_lost += o.false_lost;
+  missed_s_ += o.missed_lost_s;
+  hits_ += static_cast<double>(trial.hits);
+  unmapped_ += static_cast<double>(trial.unmapped);
+  squares_m2_ += o.squared_error_m2;
+  since_ += o.since_localized;
+  if (o.nees_count > 0) nees_.push_back(o.nees_sum / static_cast<double>(o.nees_count));
+  searches_ += static_cast<double>(trial.searches);
+  sums_.searches_most = std::max(sums_.searches_most, static_cast<double>(trial.searches));
+  for (const SampleMark mark : trial.marks) {
+    calibration_.add(mark);
+    (mark.searched() ? search_ : step_).add(mark);
   }
-  s.localize_s = spread_of(std::move(localize_s));
-  s.notice_s = spread_of(std::move(notice_s));
-  s.step_ms = spread_of(std::move(step_ms));
-  s.search_ms = spread_of(std::move(search_ms));
 }
 
-void add_errors(const TrialPlan& plan, const std::vector<TrialResult>& trials, TrialSummary& s) {
-  std::vector<Forecast> forecasts;
-  std::vector<double> nees;
-  double squares_m2 = 0.0, missed_s = 0.0, hits = 0.0, unmapped = 0.0;
-  std::size_t count = 0;
-  for (const TrialResult& t : trials) {
-    const TrialOutcome& o = t.outcome;
-    s.samples += o.samples;
-    s.right_s += o.right_s;
-    s.wrong_s += o.wrong_s;
-    s.false_lost += o.false_lost;
-    missed_s += o.missed_lost_s;
-    hits += static_cast<double>(t.hits);
-    unmapped += static_cast<double>(t.unmapped);
-    squares_m2 += o.squared_error_m2;
-    count += o.since_localized;
-    if (o.nees_count > 0) nees.push_back(o.nees_sum / static_cast<double>(o.nees_count));
-    for (const TrialSample& sample : t.samples)
-      forecasts.push_back({sample.probability, is_right(plan, sample)});
-  }
-  s.unmapped = hits > 0 ? unmapped / hits : kUnknown;
+void Tally::add_rates(TrialSummary& s) const {
+  s.success = wilson_rate(succeeded_, s.trials);
+  s.localized = wilson_rate(localized_, s.trials);
+  s.right_after = wilson_rate(kept_, localized_);
+  s.confident_wrong = wilson_rate(wrong_, s.trials);
+  s.confident_wrong_1s = wilson_rate(wrong_1s_, s.trials);
+  if (plan_.task != TrialTask::kidnap) return;
+  s.tracked_before = wilson_rate(tracked_, s.trials);
+  s.noticed = wilson_rate(noticed_, s.trials);
+}
+
+void Tally::add_errors(TrialSummary& s) const {
+  s.unmapped = hits_ > 0 ? unmapped_ / hits_ : kUnknown;
   s.driven_s = s.right_s + s.wrong_s;
   s.false_lost_per_hour = s.right_s > 0 ? static_cast<double>(s.false_lost) * 3600.0 / s.right_s : kUnknown;
-  s.missed_lost = s.wrong_s > 0 ? missed_s / s.wrong_s : kUnknown;
-  s.rmse_m = count > 0 ? std::sqrt(squares_m2 / static_cast<double>(count)) : kUnknown;
-  s.nees = mean_interval(nees);
-  s.calibration = check_calibration(forecasts);
+  s.missed_lost = s.wrong_s > 0 ? missed_s_ / s.wrong_s : kUnknown;
+  s.rmse_m = since_ > 0 ? std::sqrt(squares_m2_ / static_cast<double>(since_)) : kUnknown;
+  s.nees = mean_interval(nees_);
+  s.searches_mean = s.trials > 0 ? searches_ / static_cast<double>(s.trials) : 0.0;
+}
+
+TrialSummary Tally::summary() const {
+  TrialSummary s = sums_;
+  add_rates(s);
+  add_errors(s);
+  s.localize_s = spread_of(localize_s_);
+  s.notice_s = spread_of(notice_s_);
+  s.step_ms = step_.spread_ms();
+  s.search_ms = search_.spread_ms();
+  s.calibration = calibration_.calibration();
+  return s;
 }
 
 }  // namespace
-
-Spread spread_of(std::vector<double> values) {
-  const std::vector<double> sorted = ascending(std::move(values));
-  return {sorted.size(), median(sorted), nearest_rank(sorted, 95), nearest_rank(sorted, 100)};
-}
 
 MeanInterval mean_interval(const std::vector<double>& values) {
   const auto n = static_cast<double>(values.size());
@@ -106,15 +127,10 @@ bool succeeded(const TrialOutcome& outcome, double limit_s) {
   return outcome.localized_after_s && *outcome.localized_after_s <= limit_s + 1e-9;
 }
 
-TrialSummary summarise(const TrialPlan& plan, double limit_s, const std::vector<TrialResult>& trials) {
-  TrialSummary s;
-  s.trials = trials.size();
-  add_rates(plan, limit_s, trials, s);
-  add_spreads(plan, trials, s);
-  add_errors(plan, trials, s);
-  for (const TrialResult& t : trials)
-    if (!succeeded(t.outcome, limit_s)) s.failed.push_back(t.seed);
-  return s;
+TrialSummary summarise(const TrialPlan& plan, double limit_s, const Results<TrialResult>& trials) {
+  Tally tally(plan, limit_s);
+  trials.each([&](const TrialResult& trial) { tally.add(trial); });
+  return tally.summary();
 }
 
 }  // namespace parloc

@@ -36,6 +36,15 @@ std::string ByteWriter::sha256() {
   return sha_.hex();
 }
 
+std::string bytes_of(const std::function<void(ByteWriter&)>& put) {
+  std::string bytes;
+  ByteWriter w(
+      [&](const void* data, std::size_t size) { bytes.append(static_cast<const char*>(data), size); });
+  put(w);
+  w.flush();
+  return bytes;
+}
+
 void ByteReader::expect(bool holds, const char* what) const {
   if (!holds) throw input_error(name_, 0, fmt::format("damaged: expected {}", what));
 }

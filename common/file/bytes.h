@@ -73,6 +73,9 @@ class ByteWriter {
   std::string pending_;
 };
 
+/// What `put` writes.
+std::string bytes_of(const std::function<void(ByteWriter&)>& put);
+
 /// Takes values out again. Every count is held against the bytes that are left, so that a file that lies
 /// cannot ask for more memory than it has bytes. All member functions throw Error{input} naming the file.
 class ByteReader {

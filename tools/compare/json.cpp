@@ -101,7 +101,8 @@ Json filter_json(const Comparison& c, std::size_t k) {
 Json times_json(const Comparison& c) {
   Json json{{"date", c.date},
             {"wall_s", c.wall_s},
-            {"jobs", c.request.jobs},
+            {"jobs", json_if(c.shards == 0, c.request.jobs)},
+            {"shards", json_if(c.shards > 0, c.shards)},
             {"machine", machine_json(c.machine)},
             {"filters", Json::array()}};
   for (std::size_t k = 0; k < c.summaries.size(); ++k) {

@@ -6,7 +6,6 @@
 #include <atomic>
 #include <cmath>
 #include <memory>
-#include <mutex>
 #include <optional>
 #include <utility>
 
@@ -57,28 +56,6 @@ void judge(FilterRun& run, const Trajectory& track, const std::vector<StampedCov
   run.driven_s = track.back().stamp_s - track.front().stamp_s;
 }
 
-/// What all threads write to.
-struct Board {
-  Outcome outcome;  // `runs` at the end
-  std::vector<std::vector<std::optional<FilterRun>>>
-      runs;  // each written by the one thread that has its seed
-  std::atomic<std::size_t> finished = 0;
-  std::mutex mutex;  // of `outcome`
-};
-
-std::unique_ptr<PoseFilter> make_filter(const Entry& e, const GridMap& map, std::size_t k, Board& board) {
-  auto filter = make_pose_filter(e.kind, e.config, map);
-  const std::lock_guard lock(board.mutex);
-  board.outcome.backends[k] = filter->backend_name();
-  return filter;
-}
-
-void count_beams(const TrialLog& log, Board& board) {
-  const std::lock_guard lock(board.mutex);
-  board.outcome.hits += log.hits;
-  board.outcome.unmapped += log.unmapped;
-}
-
 }  // namespace
 
 Pose told_start(const StartPlan& plan, const Pose& truth, std::uint64_t seed) {
@@ -119,44 +96,59 @@ std::optional<FilterRun> follow(PoseFilter& filter, const TrialLog& log, const S
   return run;
 }
 
-Outcome run_all(const Request& request, const LogSource& source, const GridMap& map) {
-  Board board;
-  board.outcome.backends.resize(request.entries.size());
-  board.runs.resize(request.entries.size());
-  for (auto& of_entry : board.runs) of_entry.resize(request.seeds);
+bool SeedRuns::whole() const {
+  return std::all_of(runs.begin(), runs.end(), [](const auto& run) { return run.has_value(); });
+}
+
+void run_all(const Request& request, const LogSource& source, const GridMap& map, const KeepSeed& keep) {
+  std::atomic<std::size_t> finished = 0;
   const auto tell = [&] {
-    const auto all = static_cast<double>(request.seeds * request.entries.size());
-    if (request.progress) request.progress(static_cast<double>(board.finished) / all, board.finished);
+    const auto all = static_cast<double>(request.items.size() * request.entries.size());
+    if (request.progress) request.progress(static_cast<double>(finished) / all, finished);
   };
   // Seed by seed, so that a log is made once for all filters; these are a thread's own.
   const auto make_worker = [&](std::size_t, const KeepGoing& keep_going) -> Worker {
     using Filters = std::vector<std::unique_ptr<PoseFilter>>;
     const auto filters = std::make_shared<Filters>(request.entries.size());
     return [&, filters, keep_going](std::size_t s) {
-      const std::uint64_t seed = request.first_seed + s;
+      const Clock::time_point begun = Clock::now();
+      const std::uint64_t seed = request.first_seed + request.items[s];
       const TrialLog log = source.log_of(seed);
-      count_beams(log, board);
+      SeedRuns of_seed{std::vector<std::optional<FilterRun>>(filters->size()),
+                       std::vector<std::string>(filters->size()), log.hits, log.unmapped};
       for (std::size_t k = 0; k < filters->size() && keep_going(); ++k) {
         const Entry& entry = request.entries[k];
         auto& filter = (*filters)[k];
-        if (!filter) filter = make_filter(entry, map, k, board);
+        if (!filter) filter = make_pose_filter(entry.kind, entry.config, map);
+        of_seed.backends[k] = filter->backend_name();
         try {
-          board.runs[k][s] = follow(*filter, log, request.start, seed, keep_going);
+          of_seed.runs[k] = follow(*filter, log, request.start, seed, keep_going);
         } catch (const Error& e) {
           throw Error(e.kind(), fmt::format("{}, seed {}: {}", entry.label, seed, e.what()));
         }
-        if (board.runs[k][s]) ++board.finished;
+        if (of_seed.runs[k]) ++finished;
       }
+      keep(request.items[s], seconds_since(begun), std::move(of_seed));
     };
   };
-  run_items({request.seeds, request.jobs, request.stop, tell}, make_worker);
-  for (auto& of_entry : board.runs) {
-    std::vector<FilterRun>& finished = board.outcome.runs.emplace_back();
-    for (auto& one : of_entry)
-      if (one) finished.push_back(std::move(*one));
-  }
-  board.outcome.finished = board.finished;
-  return std::move(board.outcome);
+  run_items({request.items.size(), request.jobs, request.stop, tell}, make_worker);
+}
+
+Outcome outcome_of(std::size_t entries, const Results<SeedRuns>& seeds) {
+  Outcome outcome;
+  outcome.runs.resize(entries);
+  outcome.backends.resize(entries);
+  seeds.each([&](const SeedRuns& of_seed) {
+    for (std::size_t k = 0; k < entries; ++k) {
+      if (!of_seed.backends[k].empty()) outcome.backends[k] = of_seed.backends[k];
+      if (!of_seed.runs[k]) continue;
+      outcome.runs[k].push_back(*of_seed.runs[k]);
+      ++outcome.finished;
+    }
+    outcome.hits += of_seed.hits;
+    outcome.unmapped += of_seed.unmapped;
+  });
+  return outcome;
 }
 
 }  // namespace parloc::tools::compare

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "common/eval/metrics.h"
+#include "common/eval/results.h"
 #include "common/eval/trial.h"
 #include "common/filter/pose_filter.h"
 #include "common/map/grid_map.h"
@@ -58,23 +59,34 @@ struct Request {
   StartPlan start;
   std::uint64_t first_seed = 1;
   std::size_t seeds = 1;
+  std::vector<std::size_t> items;  ///< Which of them: item k has the seed first_seed + k.
   int jobs = 1;  ///< Seeds at once: with more than one, times are those of filters that disturb each other.
   std::function<bool()> stop;  ///< Asked often; may be empty.
   /// Told now and then, on the caller's thread; may be empty.
   std::function<void(double fraction, std::size_t finished)> progress;
 };
 
-/// Runs that a log gave, by entry, then in the order of seeds. What `stop` cut off is not there.
-using Runs = std::vector<std::vector<FilterRun>>;
+/// All filters on the log of one seed.
+struct SeedRuns {
+  std::vector<std::optional<FilterRun>> runs;  ///< By entry; what `stop` cut off is not there.
+  std::vector<std::string> backends;   ///< As each entry's filter calls its own; "" if it did not run.
+  std::size_t hits = 0, unmapped = 0;  ///< Of the simulated beams.
+
+  bool whole() const;
+};
+/// Told of each seed, by any thread.
+using KeepSeed = std::function<void(std::size_t item, double took_s, SeedRuns runs)>;
+
+/// The first error of any run, or of `keep`, ends the work and is thrown.
+void run_all(const Request& request, const LogSource& source, const GridMap& map, const KeepSeed& keep);
 
 struct Outcome {
-  Runs runs;
-  std::vector<std::string> backends;   ///< As each entry's filter calls its own; "" if it never ran.
-  std::size_t finished = 0;            ///< Runs, of entries times seeds.
-  std::size_t hits = 0, unmapped = 0;  ///< Of simulated beams, summed over the seeds.
+  std::vector<std::vector<FilterRun>> runs;  ///< By entry, then in the order of seeds.
+  std::vector<std::string> backends;         ///< By entry; "" if it never ran.
+  std::size_t finished = 0;                  ///< Runs, of entries times seeds.
+  std::size_t hits = 0, unmapped = 0;        ///< Summed over the seeds.
 };
-
-/// The first error of any run ends the work and is thrown.
-Outcome run_all(const Request& request, const LogSource& source, const GridMap& map);
+/// Of seeds in their order.
+Outcome outcome_of(std::size_t entries, const Results<SeedRuns>& seeds);
 
 }  // namespace parloc::tools::compare

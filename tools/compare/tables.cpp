@@ -7,6 +7,7 @@
 
 #include "tools/compare/comparison.h"
 #include "tools/report/machine/machine.h"
+#include "tools/report/result_parts.h"
 #include "tools/report/text/numbers.h"
 
 namespace parloc::tools::compare {
@@ -116,6 +117,11 @@ Facts origin_facts(const Comparison& c) {
 Facts machine_facts(const Comparison& c) {
   Facts lines{{"machine", fmt::format("{}, {} core{}", c.machine.cpu, c.machine.cores,
                                       c.machine.cores == 1 ? "" : "s")}};
+  if (c.shards > 0) {
+    lines.push_back({"times", "of the machines that computed the shards; whole work " +
+                                  work_text(c.wall_s, c.request.jobs, c.shards)});
+    return lines;
+  }
   std::string how = c.request.jobs == 1 ? std::string("one filter at a time, each in one thread")
                                         : fmt::format("{} at once, which disturb each other", c.request.jobs);
   lines.push_back({"times", how + fmt::format("; whole work {:.1f} s", c.wall_s)});

@@ -22,12 +22,15 @@
 #include "tools/evaluate/evaluation.h"
 #include "tools/evaluate/families/evaluate_families.h"
 #include "tools/evaluate/relations.h"
+#include "tools/evaluate/trial_bytes.h"
 #include "tools/evaluate/trials.h"
 #include "tools/program/commands.h"
 #include "tools/program/output_folder.h"
 #include "tools/program/parse_number.h"
 #include "tools/program/progress.h"
+#include "tools/program/typed_command.h"
 #include "tools/report/machine/statistics.h"
+#include "tools/shards/sharding.h"
 
 namespace parloc::tools {
 namespace {
@@ -37,6 +40,7 @@ using evaluate::Evaluation;
 /// The command line; what was not given is empty.
 struct EvaluateOptions {
   ConfigOptions filter;
+  shards::ShardOptions part;
   std::string scenario, log, map, truth, task, trials, starts, seed, duration, limit, particles, range, fov,
       jobs, samples, trajectory, relations, dataset, out, maps, corrupt;
   std::vector<std::string> family;
@@ -69,7 +73,8 @@ void declare(CLI::App& app, EvaluateOptions& o) {
   add_text_option(app, "--family", o.family, "NAME", "Of this one only; may come again")->group("");
   add_text_option(app, "--maps", o.maps, "DIR", "Of the maps that come with parloc (maps)")->group("");
   add_text_option(app, "--corrupt", o.corrupt, "K=V,...", "Odometry of the log made worse")->group("");
-  add_text_option(app, "--out", o.out, "DIR", "Write report.html and a JSON file there");
+  add_text_option(app, "--out", o.out, "DIR", "Write report.html and a JSON file there; --shard I/N: a part");
+  shards::add_shard_options(app, o.part);
   app.add_flag("--json", o.json, "The JSON on standard output")->group("");
   app.add_flag("--quiet", o.quiet, "No progress and no tables; --json: the JSON instead");
   app.get_help_ptr()->group("");  // whoever reads the list knows it
@@ -77,7 +82,7 @@ void declare(CLI::App& app, EvaluateOptions& o) {
 }
 
 constexpr double kLongest_s = 1e5;
-constexpr std::uint64_t kMostTrials = 100000, kLastSeed = 1000000000;
+constexpr std::uint64_t kMostTrials = 10000000, kLastSeed = 1000000000;
 
 TrialPlan plan_of(const EvaluateOptions& o, double& limit_s) {
   TrialPlan plan;
@@ -113,6 +118,7 @@ void check_relations_options(const EvaluateOptions& o) {
                                                                   {"--range", o.range},
                                                                   {"--fov", o.fov},
                                                                   {"--jobs", o.jobs},
+                                                                  {"--shard", o.part.shard},
                                                                   {"--samples", o.samples}};
   for (const auto& [name, value] : of_trials)
     if (!value.empty())
@@ -169,15 +175,54 @@ LogSource source_of(const EvaluateOptions& o, Evaluation& e) {
   return evaluate::recorded_trials({o.log, o.truth, starts, e.plan.duration_s, log_choice(e.config)});
 }
 
-void run_all(Evaluation& e, const LogSource& source, const GridMap& map, bool quiet) {
-  Progress progress(quiet);
-  evaluate::TrialsRequest request{e.plan, e.config, e.first_seed, e.wanted, e.jobs, interrupted, {}};
-  request.progress = [&](double fraction, std::size_t finished) {
-    progress.update(fraction, fmt::format("{} of {} trials", finished, e.wanted));
+/// What decides the results besides the command and the settings.
+shards::Inputs inputs_of(const EvaluateOptions& o, const GridMap& map) {
+  shards::Inputs inputs{{"map", shards::map_digest(map)}};
+  for (const std::string& file : {o.scenario, o.log, o.truth})
+    if (!file.empty()) inputs.emplace_back(file, shards::file_digest(file));
+  if (o.scenario.empty()) return inputs;
+  const Scenario scenario = scenario_of(o);
+  inputs.emplace_back(scenario.map_path, shards::map_digest(read_map(scenario.map_path)));
+  if (!scenario.path_file.empty())
+    inputs.emplace_back(scenario.path_file, shards::file_digest(scenario.path_file));
+  return inputs;
+}
+
+evaluate::TrialsRequest request_of(const EvaluateOptions& o, const Evaluation& e,
+                                   std::vector<std::size_t> items, Progress& progress) {
+  evaluate::TrialsRequest request{e.plan, e.config,           e.first_seed, std::move(items),
+                                  e.jobs, !o.samples.empty(), interrupted,  {}};
+  request.progress = [&progress, all = request.items.size()](double fraction, std::size_t finished) {
+    progress.update(fraction, fmt::format("{} of {} trials", finished, all));
   };
-  const Clock::time_point begun = Clock::now();
-  e.trials = evaluate::run_trials(request, source, map);
-  e.wall_s = seconds_since(begun);
+  return request;
+}
+
+int compute_shard(const EvaluateOptions& o, const Evaluation& e, const LogSource& source, const GridMap& map,
+                  const shards::ShardHead& head) {
+  return shards::compute_shard(
+      o.out, head, o.quiet, [&](const std::vector<std::size_t>& items, shards::ShardFile& file) {
+        const auto keep = [&](std::size_t item, double took_s, const TrialResult& result) {
+          file.add(item, took_s, bytes_of([&](ByteWriter& w) { evaluate::put_trial(w, result); }));
+        };
+        Progress progress(o.quiet);
+        evaluate::run_trials(request_of(o, e, items, progress), source, map, keep);
+      });
+}
+
+/// The trials, computed here or taken from shards, which must outlive `e`.
+void fill_in(const EvaluateOptions& o, Evaluation& e, const LogSource& source, const GridMap& map,
+             const shards::Merged* merged) {
+  if (merged != nullptr) {
+    e.trials = merged->results<TrialResult>(evaluate::get_trial);
+    e.shards = merged->shards();
+    e.wall_s = merged->took_s();
+  } else {
+    Progress progress(o.quiet);
+    const Clock::time_point begun = Clock::now();
+    e.trials = evaluate::run_trials(request_of(o, e, shards::Shard{}.items(e.wanted), progress), source, map);
+    e.wall_s = seconds_since(begun);
+  }
   e.interrupted = e.trials.size() < e.wanted;
   e.summary = summarise(e.plan, e.limit_s, e.trials);
 }
@@ -187,11 +232,11 @@ constexpr const char* kPage = "report.html";
 
 void write_results(const Evaluation& e, const GridMap& map, OutputFolder* out, const std::string& samples) {
   if (out != nullptr) {
-    replace_file(out->staged(kJson), evaluate::json_text(e));
+    write_file(out->staged(kJson), [&](const TextSink& sink) { evaluate::write_json(e, sink); });
     replace_file(out->staged(kPage), evaluate::html_page(e, map));
     out->publish();
   }
-  if (!samples.empty()) replace_file(samples, evaluate::samples_csv(e));
+  if (!samples.empty()) write_file(samples, [&](const TextSink& sink) { evaluate::write_samples(e, sink); });
 }
 
 /// Before the long work; what is there stays.
@@ -253,6 +298,7 @@ FamiliesOptions families_options(const EvaluateOptions& o) {
   f.jobs = jobs_of(o);
   f.config = config_of(o);
   f.samples = o.samples;
+  f.part = o.part;
   f.out = o.out;
   f.json = o.json;
   f.quiet = o.quiet;
@@ -261,12 +307,13 @@ FamiliesOptions families_options(const EvaluateOptions& o) {
 }
 
 int run(const EvaluateOptions& o, const std::string& typed) {
+  shards::check_shard_options(o.part, o.out, o.json);
   if (asks_for_relations(o)) return judge_by_relations(o, typed);
   if (asks_for_families(o)) return evaluate_families(families_options(o), typed);
   // Everything that can be wrong is looked at before the long work.
   check_options(o);
   Evaluation e;
-  e.command = typed;
+  e.command = deciding_command(typed);
   e.date = date_now();
   e.machine = machine_here();
   e.plan = plan_of(o, e.limit_s);
@@ -277,18 +324,20 @@ int run(const EvaluateOptions& o, const std::string& typed) {
   e.jobs = static_cast<int>(std::min<std::size_t>(static_cast<std::size_t>(jobs_of(o)), e.wanted));
   const GridMap map = open_map(e.map_path, log_choice(e.config));
   catch_interrupts();  // before there is a folder to leave behind
+  const shards::Parts parts(o.part, typed, e.config, e.wanted, [&] { return inputs_of(o, map); });
+  if (parts.shard()) return compute_shard(o, e, source, map, *parts.shard());
   std::unique_ptr<OutputFolder> out;
   if (!o.out.empty()) out = std::make_unique<OutputFolder>(o.out, std::vector<std::string>{kJson, kPage});
   if (!o.samples.empty()) check_writable(o.samples);
 
-  run_all(e, source, map, o.quiet);
+  fill_in(o, e, source, map, parts.merged());
   if (e.trials.empty()) {
     fmt::print(stderr, "parloc: interrupted before the first trial was finished, nothing is written\n");
     return kExitInterrupted;
   }
   write_results(e, map, out.get(), o.samples);
   if (o.json) {
-    std::fputs(evaluate::json_text(e).c_str(), stdout);
+    evaluate::write_json(e, print_text);
   } else if (!o.quiet) {
     fmt::print("{}", evaluate::terminal_text(e));
     if (out) fmt::print("{:<18}{} (beside it: {})\n", "report", out->final_path(kPage), kJson);

@@ -6,16 +6,18 @@
 #include <vector>
 
 #include "common/config/config.h"
+#include "common/eval/results.h"
 #include "common/eval/trial_summary.h"
 #include "common/localize/localizer.h"
 #include "common/map/grid_map.h"
 #include "tools/report/machine/machine.h"
+#include "tools/report/result_parts.h"
 #include "tools/report/text/table.h"
 
 namespace parloc::tools::evaluate {
 
 struct Evaluation {
-  std::string command, date;  ///< As typed; UTC.
+  std::string command, date;  ///< deciding_command(); UTC.
   Machine machine;
   bool recorded = false;         ///< A log; else simulated.
   std::string source, map_path;  ///< Where the trials come from, for people; what was localized on.
@@ -24,10 +26,11 @@ struct Evaluation {
   std::uint64_t first_seed = 1;
   std::size_t wanted = 0;
   int jobs = 1;
+  std::size_t shards = 0;  ///< That the trials come from; none if they were computed here.
   Config config;
   bool interrupted = false;  ///< Fewer trials than wanted.
-  double wall_s = 0.0;
-  std::vector<TrialResult> trials;
+  double wall_s = 0.0;       ///< Of shards, all of theirs together.
+  Results<TrialResult> trials;
   TrialSummary summary;
 };
 
@@ -42,9 +45,9 @@ std::vector<std::vector<std::string>> reliability_rows(const Evaluation& e);
 
 std::string terminal_text(const Evaluation& e);
 /// Everything that is measured on a clock is in "times".
-std::string json_text(const Evaluation& e);
+void write_json(const Evaluation& e, const TextSink& sink);
 std::string html_page(const Evaluation& e, const GridMap& map);
 /// One line per sample of every trial, as CSV with a header.
-std::string samples_csv(const Evaluation& e);
+void write_samples(const Evaluation& e, const TextSink& sink);
 
 }  // namespace parloc::tools::evaluate

@@ -100,23 +100,25 @@ Json times_json(const Evaluation& e) {
   return {{"step_ms", spread_json(e.summary.step_ms)},
           {"search_step_ms", spread_json(e.summary.search_ms)},
           {"wall_s", e.wall_s},
-          {"jobs", e.jobs},
+          {"jobs", json_if(e.shards == 0, e.jobs)},
+          {"shards", json_if(e.shards > 0, e.shards)},
           {"date", e.date},
           {"machine", machine_json(e.machine)}};
 }
 
 }  // namespace
 
-std::string json_text(const Evaluation& e) {
+void write_json(const Evaluation& e, const TextSink& sink) {
   Json json{{"tool", "parloc evaluate"}, {"command", e.command}, {"interrupted", e.interrupted}};
   json["build"] = build_json();
   json["plan"] = plan_json(e);
   json["config"] = config_to_yaml(e.config);
   json["summary"] = summary_json(e);
   json["times"] = times_json(e);
-  json["trials"] = Json::array();
-  for (const TrialResult& t : e.trials) json["trials"].push_back(trial_json(e, t));
-  return file_text(json);
+  const auto rows = [&](const RowSink& row) {
+    e.trials.each([&](const TrialResult& t) { row(trial_json(e, t)); });
+  };
+  tools::write_json(json, "trials", rows, sink);
 }
 
 }  // namespace parloc::tools::evaluate

@@ -91,7 +91,7 @@ Facts result_facts(const Evaluation& e) {
 Facts time_facts(const Evaluation& e) {
   return {{"step", spread_text(e.summary.step_ms, "ms", 2)},
           {"with search", spread_text(e.summary.search_ms, "ms", 1)},
-          {"whole work", fmt::format("{:.1f} s in {} job{}", e.wall_s, e.jobs, e.jobs == 1 ? "" : "s")},
+          {"whole work", work_text(e.wall_s, e.jobs, e.shards)},
           {"machine",
            fmt::format("{}, {} core{}", e.machine.cpu, e.machine.cores, e.machine.cores == 1 ? "" : "s")}};
 }
@@ -142,17 +142,19 @@ std::string terminal_text(const Evaluation& e) {
   return text + "\nOn this machine:\n" + aligned_text(time_facts(e), kNames);
 }
 
-std::string samples_csv(const Evaluation& e) {
-  std::string csv =
+void write_samples(const Evaluation& e, const TextSink& sink) {
+  sink(
       "seed,stamp_s,position_error_m,heading_error_rad,right,evidence,share,probability,state,searched,"
-      "nees,log_odds\n";
-  for (const TrialResult& t : e.trials)
+      "nees,log_odds\n");
+  e.trials.each([&](const TrialResult& t) {
+    std::string csv;
     for (const TrialSample& s : t.samples)
       fmt::format_to(std::back_inserter(csv),
                      "{},{:.6f},{:.6g},{:.6g},{:d},{:.9g},{:.9g},{:.9g},{},{:d},{:.6g},{:.9g}\n", t.seed,
                      s.stamp_s, s.position_error_m, s.heading_error_rad, is_right(e.plan, s), s.evidence,
                      s.share, s.probability, parloc::name_of(s.state), s.searched, s.nees, s.log_odds);
-  return csv;
+    sink(csv);
+  });
 }
 
 }  // namespace parloc::tools::evaluate

@@ -2,9 +2,13 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdint>
 #include <iterator>
+#include <string>
+#include <utility>
 
 #include "tools/evaluate/evaluation.h"
+#include "tools/report/even_sample.h"
 #include "tools/report/map_view.h"
 #include "tools/report/plots/plot.h"
 #include "tools/report/report_sections.h"
@@ -18,10 +22,10 @@ constexpr std::int32_t kLeastMap_px = 600, kMostMap_px = 1600;
 
 std::string time_plot(const Evaluation& e) {
   std::vector<double> localized_s, noticed_s;
-  for (const TrialResult& t : e.trials) {
+  e.trials.each([&](const TrialResult& t) {
     if (t.outcome.localized_after_s) localized_s.push_back(*t.outcome.localized_after_s);
     if (t.outcome.noticed_after_s) noticed_s.push_back(*t.outcome.noticed_after_s);
-  }
+  });
   double until_s = 1.5 * e.limit_s;
   for (const double t : localized_s) until_s = std::max(until_s, 1.05 * t);
   Plot plot{"Trials localized by then", "%", PlotScale::from_zero};
@@ -54,28 +58,47 @@ Table reliability_table(const Evaluation& e) {
   return table;
 }
 
-/// Dots at the starts with that outcome, each with a tip that names its seed.
-std::string dots(const Evaluation& e, const MapView& view, bool success) {
-  std::string svg;
-  for (const TrialResult& t : e.trials) {
-    if (succeeded(t.outcome, e.limit_s) != success || !drawable_point(t.start.x_m, t.start.y_m)) continue;
-    const Pixel at = view.to_pixel(t.start.x_m, t.start.y_m);
-    fmt::format_to(std::back_inserter(svg),
-                   "<path class=\"{}\" d=\"M{:.1f} {:.1f}h0\"><title>seed {}</title></path>",
-                   success ? "came c4" : "failed c5", at.x, at.y, t.seed);
+constexpr std::size_t kMostDots = 2000;  // of each kind: a browser draws more of them slowly
+
+/// Where trials with one outcome started: evenly over all.
+struct Starts {
+  std::string cls;
+  std::size_t all = 0;
+  EvenSample<std::pair<std::uint64_t, Pose>> some{kMostDots};
+
+  void offer(const TrialResult& t) {
+    if (!drawable_point(t.start.x_m, t.start.y_m)) return;
+    ++all;
+    some.offer([&] { return std::pair(t.seed, t.start); });
   }
-  return svg;
-}
+  /// Each with a tip that names its seed.
+  std::string dots(const MapView& view) const {
+    std::string svg;
+    for (const auto& [seed, start] : some.kept()) {
+      const Pixel at = view.to_pixel(start.x_m, start.y_m);
+      fmt::format_to(std::back_inserter(svg),
+                     "<path class=\"{}\" d=\"M{:.1f} {:.1f}h0\"><title>seed {}</title></path>", cls, at.x,
+                     at.y, seed);
+    }
+    return svg;
+  }
+  std::string name(const char* outcome) const {
+    return some.kept().size() == all ? outcome
+                                     : fmt::format("{} ({} of {})", outcome, some.kept().size(), all);
+  }
+};
 
 std::string map_figure(const Evaluation& e, const GridMap& map) {
   RunReport only_map;
   only_map.map = &map;
   const std::optional<MapView> view = fit_view(only_map, kLeastMap_px, kMostMap_px);
   if (!view) return "";
-  const std::string drawing = map_image(map, *view) + dots(e, *view, true) + dots(e, *view, false);
+  Starts came{"came c4"}, failed{"failed c5"};
+  e.trials.each([&](const TrialResult& t) { (succeeded(t.outcome, e.limit_s) ? came : failed).offer(t); });
+  const std::string drawing = map_image(map, *view) + came.dots(*view) + failed.dots(*view);
   return std::string("<h2>Where they started</h2>\n") + invert_filter() + "<figure><figcaption>" +
-         legend_key("dot c4", "success") + legend_key("dot c5", "failure") + "</figcaption>" +
-         map_frame(*view, "Map with the starts", drawing) + "</figure>\n";
+         legend_key("dot c4", came.name("success")) + legend_key("dot c5", failed.name("failure")) +
+         "</figcaption>" + map_frame(*view, "Map with the starts", drawing) + "</figure>\n";
 }
 
 constexpr const char* kStyle =

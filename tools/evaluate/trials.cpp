@@ -4,7 +4,9 @@
 
 #include <algorithm>
 #include <atomic>
+#include <map>
 #include <memory>
+#include <mutex>
 #include <optional>
 #include <utility>
 #include <vector>
@@ -15,6 +17,7 @@
 #include "common/inputs/open_truth.h"
 #include "common/simulator/wander.h"
 #include "tools/program/run_items.h"
+#include "tools/report/machine/statistics.h"
 
 namespace parloc::tools::evaluate {
 namespace {
@@ -62,13 +65,11 @@ LogSource recorded_trials(const RecordedPlan& plan) {
   return {log_of, fmt::format("{}: {} starts spread over {:.0f} s", plan.log, plan.starts, span_s)};
 }
 
-std::vector<TrialResult> run_trials(const TrialsRequest& request, const LogSource& source,
-                                    const GridMap& map) {
+void run_trials(const TrialsRequest& request, const LogSource& source, const GridMap& map,
+                const KeepTrial& keep) {
   LocalizerConfig config = request.config;
   config.threads = 1;
   if (request.jobs > 1) config.group = make_filter_group(config);
-  std::vector<std::optional<TrialResult>> results(
-      request.trials);  // each written by the one thread that has it
   std::vector<std::atomic<double>> fractions(
       static_cast<std::size_t>(request.jobs));  // of each thread's trial
   std::atomic<std::size_t> finished = 0;
@@ -76,25 +77,40 @@ std::vector<TrialResult> run_trials(const TrialsRequest& request, const LogSourc
     if (!request.progress) return;
     double done = static_cast<double>(finished);
     for (const std::atomic<double>& fraction : fractions) done += fraction;
-    request.progress(done / static_cast<double>(request.trials), finished);
+    request.progress(done / static_cast<double>(request.items.size()), finished);
   };
   const auto make_worker = [&](std::size_t thread, const KeepGoing& keep_going) -> Worker {
     const auto localizer = std::make_shared<Localizer>(config, map);
     return [&, thread, localizer](std::size_t k) {
-      const std::uint64_t seed = request.first_seed + k;
+      const std::size_t item = request.items[k];
+      const std::uint64_t seed = request.first_seed + item;
       const auto told = [&](double fraction) {
         fractions[thread] = fraction;
         return keep_going();
       };
-      results[k] = run_trial(*localizer, request.plan, source.log_of(seed), seed, told);
+      const Clock::time_point begun = Clock::now();
+      std::optional<TrialResult> result =
+          run_trial(*localizer, request.plan, source.log_of(seed), seed, told);
       fractions[thread] = 0.0;
-      if (results[k]) ++finished;
+      if (!result) return;
+      if (!request.samples) result->samples = {};
+      keep(item, seconds_since(begun), std::move(*result));
+      ++finished;
     };
   };
-  run_items({request.trials, request.jobs, request.stop, tell}, make_worker);
+  run_items({request.items.size(), request.jobs, request.stop, tell}, make_worker);
+}
+
+std::vector<TrialResult> run_trials(const TrialsRequest& request, const LogSource& source,
+                                    const GridMap& map) {
+  std::map<std::size_t, TrialResult> results;
+  std::mutex mutex;
+  run_trials(request, source, map, [&](std::size_t item, double, TrialResult result) {
+    const std::lock_guard lock(mutex);
+    results.emplace(item, std::move(result));
+  });
   std::vector<TrialResult> all;
-  for (std::optional<TrialResult>& result : results)
-    if (result) all.push_back(std::move(*result));
+  for (auto& [item, result] : results) all.push_back(std::move(result));
   return all;
 }
 

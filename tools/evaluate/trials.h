@@ -38,15 +38,21 @@ struct TrialsRequest {
   TrialPlan plan;
   Config config;  ///< Its numbers of threads do not count: each localizer has one.
   std::uint64_t first_seed = 1;
-  std::size_t trials = 1;
+  std::vector<std::size_t> items;  ///< Which trials: item k has the seed first_seed + k.
   int jobs = 1;
+  bool samples = false;        ///< Whether results keep them; marks they always have.
   std::function<bool()> stop;  ///< Asked often; may be empty.
   /// Told now and then, on the caller's thread; may be empty.
   std::function<void(double fraction, std::size_t finished)> progress;
 };
 
-/// The finished trials in the order of their seeds, whatever the number of jobs; all, unless `stop` said so.
-/// The first error of any trial ends the work and is thrown.
+/// Told of each finished trial, by any thread.
+using KeepTrial = std::function<void(std::size_t item, double took_s, TrialResult result)>;
+
+/// The first error of any trial, or of `keep`, ends the work and is thrown.
+void run_trials(const TrialsRequest& request, const LogSource& source, const GridMap& map,
+                const KeepTrial& keep);
+/// The finished trials in the order of the items, whatever the number of jobs; all, unless `stop` said so.
 std::vector<TrialResult> run_trials(const TrialsRequest& request, const LogSource& source,
                                     const GridMap& map);
 

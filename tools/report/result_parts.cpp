@@ -2,11 +2,13 @@
 
 #include <fmt/format.h>
 
+#include <cstdio>
 #include <numbers>
 #include <utility>
 #include <vector>
 
 #include "common/config/config_settings.h"
+#include "common/file/output_file.h"
 #include "tools/report/machine/machine.h"
 
 namespace parloc::tools {
@@ -58,6 +60,12 @@ Json text_or_null(const std::string& text) {
   return json_if(!text.empty(), text);
 }
 
+std::string work_text(double wall_s, int jobs, std::size_t shards) {
+  if (shards > 0)
+    return fmt::format("{:.1f} s in {} shard{} together", wall_s, shards, shards == 1 ? "" : "s");
+  return fmt::format("{:.1f} s in {} job{}", wall_s, jobs, jobs == 1 ? "" : "s");
+}
+
 Json build_json() {
   return {{"version", kVersion}, {"commit", text_or_null(kCommit)}, {"compiler", kCompiler},
           {"flags", kFlags},     {"build_type", kBuildType},        {"cuda", kCuda}};
@@ -76,6 +84,41 @@ Json machine_json(const Machine& m) {
 
 std::string file_text(const Json& json) {
   return json.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
+}
+
+void write_json(const Json& json, const char* rows_name, const std::function<void(const RowSink&)>& rows,
+                const TextSink& sink) {
+  Json head = json;
+  head[rows_name] = Json::array();
+  std::string text = file_text(head);
+  constexpr std::string_view kEnd = "]\n}\n";
+  text.resize(text.size() - kEnd.size());
+  sink(text);
+  bool first = true;
+  rows([&](const Json& row) {
+    sink(first ? "\n" : ",\n");
+    first = false;
+    std::string lines = "    ";
+    std::string of_row = file_text(row);
+    of_row.pop_back();
+    for (const char c : of_row) {
+      lines += c;
+      if (c == '\n') lines += "    ";
+    }
+    sink(lines);
+  });
+  sink(first ? "" : "\n  ");
+  sink(kEnd);
+}
+
+void print_text(std::string_view text) {
+  std::fwrite(text.data(), 1, text.size(), stdout);
+}
+
+void write_file(const std::string& path, const std::function<void(const TextSink&)>& write) {
+  FileReplacement file(path);
+  write([&](std::string_view text) { file.write(text.data(), text.size()); });
+  file.commit();
 }
 
 Json config_json(const Config& config) {

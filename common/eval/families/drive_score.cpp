@@ -16,7 +16,7 @@ constexpr double kMostRatio = 1.1, kMostMore_m = 0.1;
 RunScore score_run(const TrialResult& trial) {
   RunScore score;
   const TrialPlan rule;  // 0.5 m and 10 degrees
-  double squares_m2 = 0.0, within = 0.0, late = 0.0, late_sure_wrong = 0.0;
+  double squares_m2 = 0.0, within = 0.0;
   for (const TrialSample& s : trial.samples) {
     squares_m2 += s.position_error_m * s.position_error_m;
     score.largest_m = std::max(score.largest_m, s.position_error_m);
@@ -24,8 +24,8 @@ RunScore score_run(const TrialResult& trial) {
     within += s.position_error_m <= kNear_m ? 1.0 : 0.0;
     score.by_state[static_cast<std::size_t>(s.state)] += 1.0;
     if (s.stamp_s < trial.begun_s + kSettled_s) continue;
-    late += 1.0;
-    late_sure_wrong += s.state == HealthState::tracking && !is_right(rule, s) ? 1.0 : 0.0;
+    ++score.late;
+    score.late_sure_wrong += s.state == HealthState::tracking && !is_right(rule, s) ? 1 : 0;
   }
   const auto n = static_cast<double>(trial.samples.size());
   score.samples = trial.samples.size();
@@ -34,7 +34,6 @@ RunScore score_run(const TrialResult& trial) {
   for (double& share : score.by_state) share /= n;
   score.sure_wrong_s = trial.outcome.missed_lost_s;
   score.longest_sure_wrong_s = trial.outcome.confident_wrong_s;
-  score.late_sure_wrong = late_sure_wrong / late;  // none: NaN, as it should be
   score.nees_mean = trial.outcome.nees_sum / static_cast<double>(trial.outcome.nees_count);
   score.searches = trial.searches;
   score.localized_after_s = trial.outcome.localized_after_s;

@@ -20,12 +20,12 @@ struct RunScore {
   std::size_t samples = 0;
   double rmse_m = 0.0, largest_m = 0.0;  ///< Infinite where no pose is right.
   double largest_rad = 0.0;
-  double within = 0.0;                ///< Share of the scans within 0.5 m.
-  std::array<double, 3> by_state{};   ///< Share of the scans by HealthState.
-  double sure_wrong_s = 0.0;          ///< `tracking` while further than 0.5 m or 10 degrees.
-  double longest_sure_wrong_s = 0.0;  ///< In a row.
-  double late_sure_wrong = 0.0;  ///< Share of the scans after the first 10 s that are so; NaN without such.
-  double nees_mean = 0.0;        ///< Since it was localized; NaN if it never was.
+  double within = 0.0;                        ///< Share of the scans within 0.5 m.
+  std::array<double, 3> by_state{};           ///< Share of the scans by HealthState.
+  double sure_wrong_s = 0.0;                  ///< `tracking` while further than 0.5 m or 10 degrees.
+  double longest_sure_wrong_s = 0.0;          ///< In a row.
+  std::size_t late = 0, late_sure_wrong = 0;  ///< Scans after the first 10 s; those of them that are so.
+  double nees_mean = 0.0;                     ///< Since it was localized; NaN if it never was.
   double last_x_error_m = 0.0, last_sigma_x_m = 0.0;
   std::size_t searches = 0;
   std::optional<double> localized_after_s, noticed_after_s;

@@ -2,133 +2,135 @@
 
 #include <algorithm>
 #include <cmath>
+#include <memory>
 #include <optional>
+#include <string>
 #include <utility>
+#include <vector>
 
 namespace parloc {
 namespace {
-
-using Drives = std::vector<const DriveResult*>;
-
-/// One of the two runs of a drive.
-struct Side {
-  TrialResult DriveResult::*trial;
-  RunScore DriveResult::*score;
-};
-constexpr Side kClosed{&DriveResult::closed, &DriveResult::closed_score};
-constexpr Side kBare{&DriveResult::bare, &DriveResult::bare_score};
-
-template <class Holds>
-Rate rate_of(const Drives& drives, Side side, Holds holds) {
-  const auto hits = std::count_if(drives.begin(), drives.end(),
-                                  [&](const DriveResult* d) { return holds(d->*side.score); });
-  return wilson_rate(static_cast<std::size_t>(hits), drives.size());
-}
 
 bool soon(const std::optional<double>& after_s, double limit_s) {
   return after_s && *after_s <= limit_s + 1e-9;
 }
 
-void add_rates(const Drives& drives, Side side, RunsSummary& s) {
-  s.nearly_all_within = rate_of(drives, side, [](const RunScore& r) { return r.within >= 0.99; });
-  s.all_within = rate_of(drives, side, [](const RunScore& r) { return r.within >= 1.0; });
-  s.sure_wrong_1s = rate_of(drives, side, [](const RunScore& r) { return r.longest_sure_wrong_s >= 1.0; });
-  s.localized_5s = rate_of(drives, side, [](const RunScore& r) { return soon(r.localized_after_s, 5.0); });
-  s.noticed_2s = rate_of(drives, side, [](const RunScore& r) { return soon(r.noticed_after_s, 2.0); });
+/// One of the two runs of each drive. Means are over scans, not over drives, where not said otherwise.
+class RunsTally {
+ public:
+  void add(const TrialResult& trial, const RunScore& score, double driven_s);
+  RunsSummary summary() const;
+
+ private:
+  void count(const RunScore& score);
+
+  std::size_t drives_ = 0, nearly_all_ = 0, all_ = 0, sure_wrong_1s_ = 0, localized_5s_ = 0, noticed_2s_ = 0;
+  std::size_t late_ = 0, late_sure_wrong_ = 0;
+  double scans_ = 0.0, within_ = 0.0, wrong_s_ = 0.0, driven_s_ = 0.0, largest_m_ = 0.0;
+  std::array<double, 3> by_state_{};
+  double x_error_m2_ = 0.0, sigma_x_m2_ = 0.0, searches_ = 0.0;
+  std::vector<double> rmse_m_, nees_;  // as far as they are finite
+  CalibrationTally calibration_;
+};
+
+void RunsTally::count(const RunScore& r) {
+  ++drives_;
+  nearly_all_ += r.within >= 0.99 ? 1 : 0;
+  all_ += r.within >= 1.0 ? 1 : 0;
+  sure_wrong_1s_ += r.longest_sure_wrong_s >= 1.0 ? 1 : 0;
+  localized_5s_ += soon(r.localized_after_s, 5.0) ? 1 : 0;
+  noticed_2s_ += soon(r.noticed_after_s, 2.0) ? 1 : 0;
+  late_ += r.late;
+  late_sure_wrong_ += r.late_sure_wrong;
 }
 
-/// Means over scans, not over drives.
-void add_scans(const Drives& drives, Side side, RunsSummary& s) {
-  const TrialPlan rule;  // 0.5 m and 10 degrees
-  double scans = 0.0, wrong_s = 0.0, driven_s = 0.0, late = 0.0, late_wrong = 0.0;
-  std::vector<Forecast> forecasts;
-  for (const DriveResult* d : drives) {
-    const RunScore& r = d->*side.score;
-    const auto n = static_cast<double>(r.samples);
-    scans += n;
-    s.within += n * r.within;
-    for (std::size_t k = 0; k < s.by_state.size(); ++k) s.by_state[k] += n * r.by_state[k];
-    wrong_s += r.sure_wrong_s;
-    driven_s += d->driven_s;
-    for (const TrialSample& sample : (d->*side.trial).samples) {
-      forecasts.push_back({sample.probability, is_right(rule, sample)});
-      if (sample.stamp_s < (d->*side.trial).begun_s + 10.0) continue;
-      late += 1.0;
-      late_wrong += sample.state == HealthState::tracking && !is_right(rule, sample) ? 1.0 : 0.0;
-    }
-  }
-  s.within /= scans;
-  for (double& share : s.by_state) share /= scans;
-  s.sure_wrong = wrong_s / driven_s;
-  s.late_sure_wrong = late_wrong / late;
-  s.calibration = check_calibration(forecasts);
-  s.calibration_error = expected_calibration_error(s.calibration);
+void RunsTally::add(const TrialResult& trial, const RunScore& r, double driven_s) {
+  count(r);
+  const auto n = static_cast<double>(r.samples);
+  scans_ += n;
+  within_ += n * r.within;
+  for (std::size_t k = 0; k < by_state_.size(); ++k) by_state_[k] += n * r.by_state[k];
+  wrong_s_ += r.sure_wrong_s;
+  driven_s_ += driven_s;
+  for (const SampleMark mark : trial.marks) calibration_.add(mark);
+  if (std::isfinite(r.rmse_m)) rmse_m_.push_back(r.rmse_m);
+  if (std::isfinite(r.nees_mean)) nees_.push_back(r.nees_mean);
+  largest_m_ = std::max(largest_m_, r.largest_m);
+  x_error_m2_ += r.last_x_error_m * r.last_x_error_m;
+  sigma_x_m2_ += r.last_sigma_x_m * r.last_sigma_x_m;
+  searches_ += static_cast<double>(r.searches);
 }
 
-void add_errors(const Drives& drives, Side side, RunsSummary& s) {
-  std::vector<double> rmse_m, nees;
-  double error_m2 = 0.0, sigma_m2 = 0.0;
-  for (const DriveResult* d : drives) {
-    const RunScore& r = d->*side.score;
-    if (std::isfinite(r.rmse_m)) rmse_m.push_back(r.rmse_m);
-    if (std::isfinite(r.nees_mean)) nees.push_back(r.nees_mean);
-    s.largest_m = std::max(s.largest_m, r.largest_m);
-    error_m2 += r.last_x_error_m * r.last_x_error_m;
-    sigma_m2 += r.last_sigma_x_m * r.last_sigma_x_m;
-    s.searches += static_cast<double>(r.searches) / static_cast<double>(drives.size());
-  }
-  s.rmse_m = spread_of(std::move(rmse_m));
-  s.nees = mean_interval(nees);
-  s.nees_median = spread_of(std::move(nees)).median;
-  s.x_error_m = std::sqrt(error_m2 / static_cast<double>(drives.size()));
-  s.sigma_x_m = std::sqrt(sigma_m2 / static_cast<double>(drives.size()));
-}
-
-RunsSummary summarise_runs(const Drives& drives, Side side) {
+RunsSummary RunsTally::summary() const {
   RunsSummary s;
-  add_rates(drives, side, s);
-  add_scans(drives, side, s);
-  add_errors(drives, side, s);
+  const auto drives = static_cast<double>(drives_);
+  s.nearly_all_within = wilson_rate(nearly_all_, drives_);
+  s.all_within = wilson_rate(all_, drives_);
+  s.sure_wrong_1s = wilson_rate(sure_wrong_1s_, drives_);
+  s.localized_5s = wilson_rate(localized_5s_, drives_);
+  s.noticed_2s = wilson_rate(noticed_2s_, drives_);
+  s.within = within_ / scans_;
+  for (std::size_t k = 0; k < by_state_.size(); ++k) s.by_state[k] = by_state_[k] / scans_;
+  s.sure_wrong = wrong_s_ / driven_s_;
+  s.late_sure_wrong = static_cast<double>(late_sure_wrong_) / static_cast<double>(late_);
+  s.calibration = calibration_.calibration();
+  s.calibration_error = expected_calibration_error(s.calibration);
+  s.rmse_m = spread_of(rmse_m_);
+  s.largest_m = largest_m_;
+  s.nees = mean_interval(nees_);
+  s.nees_median = spread_of(nees_).median;
+  s.x_error_m = std::sqrt(x_error_m2_ / drives);
+  s.sigma_x_m = std::sqrt(sigma_x_m2_ / drives);
+  s.searches = searches_ / drives;
   return s;
 }
 
-FamilySummary summarise(const std::string& name, const Drives& drives) {
-  FamilySummary s;
-  s.family = name;
-  s.drives = drives.size();
-  std::size_t applies = 0, kept = 0;
-  for (const DriveResult* d : drives) {
-    s.scans += d->closed_score.samples;
-    s.driven_s += d->driven_s;
-    applies += d->comparison.applies ? 1 : 0;
-    kept += d->comparison.kept ? 1 : 0;
-    if (d->comparison.applies && !d->comparison.kept) s.failed.push_back(d->seed);
+class FamilyTally {
+ public:
+  explicit FamilyTally(std::string name) { sums_.family = std::move(name); }
+  const std::string& name() const { return sums_.family; }
+
+  void add(const DriveResult& d) {
+    ++sums_.drives;
+    sums_.scans += d.closed_score.samples;
+    sums_.driven_s += d.driven_s;
+    applies_ += d.comparison.applies ? 1 : 0;
+    kept_ += d.comparison.kept ? 1 : 0;
+    if (d.comparison.applies && !d.comparison.kept) sums_.failed.push_back(d.seed);
+    closed_.add(d.closed, d.closed_score, d.driven_s);
+    bare_.add(d.bare, d.bare_score, d.driven_s);
   }
-  s.kept = wilson_rate(kept, applies);
-  s.closed = summarise_runs(drives, kClosed);
-  s.bare = summarise_runs(drives, kBare);
-  return s;
-}
+  FamilySummary summary() const {
+    FamilySummary s = sums_;
+    s.kept = wilson_rate(kept_, applies_);
+    s.closed = closed_.summary();
+    s.bare = bare_.summary();
+    return s;
+  }
+
+ private:
+  FamilySummary sums_;  ///< What is a sum already.
+  std::size_t applies_ = 0, kept_ = 0;
+  RunsTally closed_, bare_;
+};
 
 }  // namespace
 
-std::vector<FamilySummary> summarise_families(const std::vector<DriveResult>& drives) {
-  std::vector<std::pair<std::string, Drives>> families;
-  for (const DriveResult& d : drives) {
+FamilySummaries summarise_families(const Results<DriveResult>& drives) {
+  FamilyTally all("all");
+  std::vector<std::unique_ptr<FamilyTally>> families;
+  drives.each([&](const DriveResult& d) {
+    all.add(d);
     auto family =
-        std::find_if(families.begin(), families.end(), [&](const auto& f) { return f.first == d.family; });
-    if (family == families.end()) family = families.insert(families.end(), {d.family, {}});
-    family->second.push_back(&d);
-  }
-  std::vector<FamilySummary> summaries;
-  for (const auto& [name, members] : families) summaries.push_back(summarise(name, members));
-  return summaries;
-}
-
-FamilySummary summarise_all(const std::vector<DriveResult>& drives) {
-  Drives all;
-  for (const DriveResult& d : drives) all.push_back(&d);
-  return summarise("all", all);
+        std::find_if(families.begin(), families.end(), [&](const auto& f) { return f->name() == d.family; });
+    if (family == families.end())
+      family = families.insert(families.end(), std::make_unique<FamilyTally>(d.family));
+    (*family)->add(d);
+  });
+  FamilySummaries s;
+  s.all = all.summary();
+  for (const auto& family : families) s.families.push_back(family->summary());
+  return s;
 }
 
 }  // namespace parloc

@@ -9,6 +9,7 @@
 
 #include "common/eval/calibration.h"
 #include "common/eval/families/drive_score.h"
+#include "common/eval/results.h"
 #include "common/eval/trial_summary.h"
 
 namespace parloc {
@@ -45,9 +46,13 @@ struct FamilySummary {
   RunsSummary closed, bare;
 };
 
-/// In the order of the drives, families in the order of their first drive.
-std::vector<FamilySummary> summarise_families(const std::vector<DriveResult>& drives);
-/// All of them as one, named "all".
-FamilySummary summarise_all(const std::vector<DriveResult>& drives);
+/// Of all drives, as one named "all", and of each family, in the order of their first drives.
+struct FamilySummaries {
+  FamilySummary all;
+  std::vector<FamilySummary> families;
+};
+/// Goes through the drives once, and keeps some 60 bytes of each. They are to be in the order of their
+/// numbers: sums depend on it in their last bits.
+FamilySummaries summarise_families(const Results<DriveResult>& drives);
 
 }  // namespace parloc

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "common/config/config.h"
+#include "tools/shards/sharding.h"
 
 namespace parloc::tools {
 
@@ -20,6 +21,7 @@ struct FamiliesOptions {
   int jobs = 1;
   Config config{};
   std::string samples{}, out{};
+  shards::ShardOptions part{};
   bool json = false, quiet = false;
 };
 

@@ -70,7 +70,7 @@ Json score_json(const RunScore& r) {
           {"states", states_json(r.by_state)},
           {"sure_wrong_s", r.sure_wrong_s},
           {"longest_sure_wrong_s", r.longest_sure_wrong_s},
-          {"late_sure_wrong", r.late_sure_wrong},
+          {"late_sure_wrong", static_cast<double>(r.late_sure_wrong) / static_cast<double>(r.late)},
           {"nees_mean", r.nees_mean},
           {"last_x_error_m", r.last_x_error_m},
           {"last_sigma_x_m", r.last_sigma_x_m},
@@ -96,7 +96,7 @@ Json drive_json(const DriveResult& d) {
 
 }  // namespace
 
-std::string json_text(const FamiliesReport& report) {
+void write_json(const FamiliesReport& report, const TextSink& sink) {
   Json json{{"tool", "parloc evaluate --families"},
             {"command", report.command},
             {"interrupted", report.interrupted}};
@@ -108,12 +108,14 @@ std::string json_text(const FamiliesReport& report) {
   json["families"] = Json::array();
   for (const FamilySummary& family : report.families) json["families"].push_back(family_json(family));
   json["times"] = {{"wall_s", report.wall_s},
-                   {"jobs", report.jobs},
+                   {"jobs", json_if(report.shards == 0, report.jobs)},
+                   {"shards", json_if(report.shards > 0, report.shards)},
                    {"date", report.date},
                    {"machine", machine_json(report.machine)}};
-  json["drives"] = Json::array();
-  for (const DriveResult& drive : report.drives) json["drives"].push_back(drive_json(drive));
-  return file_text(json);
+  const auto rows = [&](const RowSink& row) {
+    report.drives.each([&](const DriveResult& drive) { row(drive_json(drive)); });
+  };
+  tools::write_json(json, "drives", rows, sink);
 }
 
 }  // namespace parloc::tools::families

@@ -124,14 +124,14 @@ Facts origin_facts(const FamiliesReport& report) {
 }
 
 Facts time_facts(const FamiliesReport& report) {
-  std::vector<double> step_ms;
-  for (const DriveResult& d : report.drives)
-    for (const TrialSample& s : d.closed.samples) step_ms.push_back(s.step_ms);
-  const Spread spread = spread_of(std::move(step_ms));
+  TimeTally steps;
+  report.drives.each([&](const DriveResult& d) {
+    for (const SampleMark mark : d.closed.marks) steps.add(mark);
+  });
+  const Spread spread = steps.spread_ms();
   return {{"step", fmt::format("median {:.2f} ms, 95th percentile {:.2f} ms, most {:.1f} ms", spread.median,
                                spread.p95, spread.most)},
-          {"whole work",
-           fmt::format("{:.1f} s in {} job{}", report.wall_s, report.jobs, report.jobs == 1 ? "" : "s")},
+          {"whole work", work_text(report.wall_s, report.jobs, report.shards)},
           {"machine", fmt::format("{}, {} core{}", report.machine.cpu, report.machine.cores,
                                   report.machine.cores == 1 ? "" : "s")}};
 }
@@ -145,12 +145,13 @@ std::string terminal_text(const FamiliesReport& report) {
   return text + "\nOn this machine:\n" + aligned_text(time_facts(report), kNames);
 }
 
-std::string samples_csv(const FamiliesReport& report) {
-  std::string csv =
+void write_samples(const FamiliesReport& report, const TextSink& sink) {
+  sink(
       "family,seed,run,stamp_s,position_error_m,heading_error_rad,right,evidence,share,probability,state,"
-      "searched,nees,x_error_m,sigma_x_m,log_odds\n";
+      "searched,nees,x_error_m,sigma_x_m,log_odds\n");
   const TrialPlan rule;
-  for (const DriveResult& d : report.drives)
+  report.drives.each([&](const DriveResult& d) {
+    std::string csv;
     for (const TrialResult* run : {&d.closed, &d.bare})
       for (const TrialSample& s : run->samples)
         fmt::format_to(std::back_inserter(csv),
@@ -159,7 +160,8 @@ std::string samples_csv(const FamiliesReport& report) {
                        d.family, d.seed, run == &d.closed ? "loop" : "bare", s.stamp_s, s.position_error_m,
                        s.heading_error_rad, is_right(rule, s), s.evidence, s.share, s.probability,
                        parloc::name_of(s.state), s.searched, s.nees, s.x_error_m, s.sigma_x_m, s.log_odds);
-  return csv;
+    sink(csv);
+  });
 }
 
 }  // namespace parloc::tools::families

@@ -2,7 +2,9 @@
 
 #include <algorithm>
 #include <atomic>
+#include <map>
 #include <memory>
+#include <mutex>
 #include <optional>
 #include <utility>
 
@@ -10,6 +12,7 @@
 #include "common/filter/filter_group.h"
 #include "common/localize/localizer.h"
 #include "tools/program/run_items.h"
+#include "tools/report/machine/statistics.h"
 
 namespace parloc::tools::families {
 namespace {
@@ -76,12 +79,10 @@ bool drive_twice(PreparedDrive& drive, Localizers& localizers, const std::functi
 
 }  // namespace
 
-std::vector<DriveResult> run_drives(const DrivesRequest& request, const DriveSource& source) {
+void run_drives(const DrivesRequest& request, const DriveSource& source, const KeepDrive& keep) {
   LocalizerConfig config = request.config;
   config.threads = 1;
   if (request.jobs > 1) config.group = make_filter_group(config);
-  std::vector<std::optional<DriveResult>> results(
-      source.drives);  // each written by the one thread that has it
   std::vector<std::atomic<double>> fractions(
       static_cast<std::size_t>(request.jobs));  // of each thread's drive
   std::atomic<std::size_t> finished = 0;
@@ -89,27 +90,37 @@ std::vector<DriveResult> run_drives(const DrivesRequest& request, const DriveSou
     if (!request.progress) return;
     double done = static_cast<double>(finished);
     for (const std::atomic<double>& fraction : fractions) done += fraction;
-    request.progress(done / static_cast<double>(source.drives), finished);
+    request.progress(done / static_cast<double>(request.items.size()), finished);
   };
   const auto make_worker = [&](std::size_t thread, const KeepGoing& keep_going) -> Worker {
     const auto localizers = std::make_shared<Localizers>(config);
     return [&, thread, localizers](std::size_t k) {
-      PreparedDrive drive = source.prepare(k);
+      const Clock::time_point begun = Clock::now();
+      PreparedDrive drive = source.prepare(request.items[k]);
       const auto told = [&](double fraction) {
         fractions[thread] = fraction;
         return keep_going();
       };
-      if (drive_twice(drive, *localizers, told)) {
-        results[k] = std::move(drive.result);
-        ++finished;
-      }
+      const bool whole = drive_twice(drive, *localizers, told);
       fractions[thread] = 0.0;
+      if (!whole) return;
+      if (!request.samples) drive.result.closed.samples = drive.result.bare.samples = {};
+      keep(request.items[k], seconds_since(begun), std::move(drive.result));
+      ++finished;
     };
   };
-  run_items({source.drives, request.jobs, request.stop, tell}, make_worker);
+  run_items({request.items.size(), request.jobs, request.stop, tell}, make_worker);
+}
+
+std::vector<DriveResult> run_drives(const DrivesRequest& request, const DriveSource& source) {
+  std::map<std::size_t, DriveResult> results;
+  std::mutex mutex;
+  run_drives(request, source, [&](std::size_t item, double, DriveResult result) {
+    const std::lock_guard lock(mutex);
+    results.emplace(item, std::move(result));
+  });
   std::vector<DriveResult> all;
-  for (std::optional<DriveResult>& result : results)
-    if (result) all.push_back(std::move(*result));
+  for (auto& [item, result] : results) all.push_back(std::move(result));
   return all;
 }
 

@@ -103,7 +103,8 @@ void bind_runs(nanobind::class_<Guarded<Filter>>& type) {
           "the map frame, or 'global' for a localizer that is to find it; None: it was started, or goes on. "
           "`progress`: True for a bar by rich, or a function of the share read and the scans so far. Ctrl-C "
           "ends it "
-          "between two scans; what there was until then is in the exception's `track`, and so it is if the log "
+          "between two scans; what there was until then is in the exception's `track`, and so it is if the "
+          "log "
           "is damaged further on. Raises InputError for a log without a scan.")
       .def(
           "plot",

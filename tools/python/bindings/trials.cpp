@@ -16,6 +16,7 @@
 #include "tools/python/bindings/bindings.h"
 #include "tools/python/values/arguments.h"
 #include "tools/python/values/config_box.h"
+#include "tools/shards/shard.h"
 
 namespace parloc::python {
 namespace {
@@ -45,7 +46,9 @@ Evaluation evaluate_scenario(const std::filesystem::path& path, std::size_t tria
   e.plan.task = task_named(task);
   const double limit = limit_s.value_or(e.plan.task == TrialTask::kidnap ? 5.0 : 3.0);
   e.plan.duration_s = duration_s.value_or(limit + e.plan.hold_s);
-  tools::evaluate::TrialsRequest request{e.plan, config_or_default(config), first_seed, trials, jobs, {}, {}};
+  tools::evaluate::TrialsRequest request{
+      e.plan, config_or_default(config), first_seed, tools::shards::Shard{}.items(trials), jobs, false, {},
+      {}};
   const nb::gil_scoped_release others_run;
   const int cores = static_cast<int>(std::max(1u, std::thread::hardware_concurrency()));
   request.jobs =
