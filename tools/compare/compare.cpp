@@ -61,7 +61,7 @@ void declare(CLI::App& app, CompareOptions& o) {
   add_text_option(app, "--kappa", o.kappa, "M", "Error of the wheels, instead of the scenario's");
   add_text_option(app, "--people", o.people, "N", "Around the robot, instead of the scenario's");
   add_text_option(app, "--jobs", o.jobs, "K", "Seeds at once: spoils the times (1)");
-  add_text_option(app, "--out", o.out, "DIR", "Write compare.json, .md, report.html; --shard I/N: a part");
+  add_text_option(app, "--out", o.out, "DIR", "compare.json, .md, report.html; --shard I/N: a part");
   shards::add_shard_options(app, o.part);
   app.add_flag("--quiet", o.quiet, "No progress and no tables");
   app.get_help_ptr()->group("");  // whoever reads the list knows it

@@ -22,7 +22,6 @@
 #include "tools/evaluate/evaluation.h"
 #include "tools/evaluate/families/evaluate_families.h"
 #include "tools/evaluate/relations.h"
-#include "tools/evaluate/trial_bytes.h"
 #include "tools/evaluate/trials.h"
 #include "tools/program/commands.h"
 #include "tools/program/output_folder.h"
@@ -31,6 +30,7 @@
 #include "tools/program/typed_command.h"
 #include "tools/report/machine/statistics.h"
 #include "tools/shards/sharding.h"
+#include "tools/shards/trial_bytes.h"
 
 namespace parloc::tools {
 namespace {
@@ -73,7 +73,7 @@ void declare(CLI::App& app, EvaluateOptions& o) {
   add_text_option(app, "--family", o.family, "NAME", "Of this one only; may come again")->group("");
   add_text_option(app, "--maps", o.maps, "DIR", "Of the maps that come with parloc (maps)")->group("");
   add_text_option(app, "--corrupt", o.corrupt, "K=V,...", "Odometry of the log made worse")->group("");
-  add_text_option(app, "--out", o.out, "DIR", "Write report.html and a JSON file there; --shard I/N: a part");
+  add_text_option(app, "--out", o.out, "DIR", "Write report.html and JSON there; --shard I/N: a part");
   shards::add_shard_options(app, o.part);
   app.add_flag("--json", o.json, "The JSON on standard output")->group("");
   app.add_flag("--quiet", o.quiet, "No progress and no tables; --json: the JSON instead");
@@ -203,7 +203,7 @@ int compute_shard(const EvaluateOptions& o, const Evaluation& e, const LogSource
   return shards::compute_shard(
       o.out, head, o.quiet, [&](const std::vector<std::size_t>& items, shards::ShardFile& file) {
         const auto keep = [&](std::size_t item, double took_s, const TrialResult& result) {
-          file.add(item, took_s, bytes_of([&](ByteWriter& w) { evaluate::put_trial(w, result); }));
+          file.add(item, took_s, bytes_of([&](ByteWriter& w) { shards::put_trial(w, result); }));
         };
         Progress progress(o.quiet);
         evaluate::run_trials(request_of(o, e, items, progress), source, map, keep);
@@ -214,7 +214,7 @@ int compute_shard(const EvaluateOptions& o, const Evaluation& e, const LogSource
 void fill_in(const EvaluateOptions& o, Evaluation& e, const LogSource& source, const GridMap& map,
              const shards::Merged* merged) {
   if (merged != nullptr) {
-    e.trials = merged->results<TrialResult>(evaluate::get_trial);
+    e.trials = merged->results<TrialResult>(shards::get_trial);
     e.shards = merged->shards();
     e.wall_s = merged->took_s();
   } else {

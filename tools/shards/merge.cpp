@@ -28,7 +28,7 @@ Command add_merge_command(CLI::App& program,
   app->add_flag("--json", o->json, "Print the JSON instead of the tables");
   app->add_flag("--quiet", o->quiet, "No tables");
   app->footer(
-      "A shard: the same command with --shard I/N --out DIR, for I from 1 to N. Run again,\n"
+      "A shard: the same command with --shard I/N --out DIR, I from 1 to N. Run again\n"
       "it goes on with what is missing. docs/shards.md");
   return {app, [o, run_words](const std::string&) {
             const shards::ShardHead head = shards::read_shard_head(shards::shard_path(o->folders.front()));

@@ -10,7 +10,8 @@
 #include <cstring>
 #include <filesystem>
 #include <fstream>
-#include <sstream>
+#include <functional>
+#include <system_error>
 
 #include "common/error.h"
 #include "common/file/bytes.h"

@@ -4,7 +4,7 @@
 #include <string>
 #include <utility>
 
-#include "tools/evaluate/trial_bytes.h"
+#include "tools/shards/trial_bytes.h"
 #include "tools/shards/value_bytes.h"
 
 namespace parloc::tools::families {
@@ -38,8 +38,8 @@ void put_drive(ByteWriter& w, const DriveResult& d) {
     out.put_text(parameter.first);
     out.put(parameter.second);
   });
-  evaluate::put_trial(w, d.closed);
-  evaluate::put_trial(w, d.bare);
+  shards::put_trial(w, d.closed);
+  shards::put_trial(w, d.bare);
 }
 
 DriveResult get_drive(ByteReader& r) {
@@ -50,8 +50,8 @@ DriveResult get_drive(ByteReader& r) {
     std::string name = in.get_text();
     return std::pair(std::move(name), in.get<double>());
   });
-  d.closed = evaluate::get_trial(r);
-  d.bare = evaluate::get_trial(r);
+  d.closed = shards::get_trial(r);
+  d.bare = shards::get_trial(r);
   return d;
 }
 

@@ -1,14 +1,12 @@
-#include "tools/evaluate/trial_bytes.h"
+#include "tools/shards/trial_bytes.h"
 
 #include <cstdint>
 #include <vector>
 
 #include "tools/shards/value_bytes.h"
 
-namespace parloc::tools::evaluate {
+namespace parloc::tools::shards {
 namespace {
-
-using shards::GetValue, shards::PutValue;
 
 /// The fields in the order of the bytes; `visit` puts or gets one.
 template <class Outcome, class Visit>
@@ -66,4 +64,4 @@ TrialResult get_trial(ByteReader& r) {
   return t;
 }
 
-}  // namespace parloc::tools::evaluate
+}  // namespace parloc::tools::shards
