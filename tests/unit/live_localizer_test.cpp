@@ -12,6 +12,8 @@
 #include "common/io/scan_stream.h"
 #include "common/live/answer_messages.h"
 #include "common/live/live_slam.h"
+#include "common/ros/message_writer.h"
+#include "common/ros/messages.h"
 #include "tests/unit/live_scene.h"
 
 namespace parloc {
@@ -165,6 +167,27 @@ TEST(LiveLocalizer, ThousandFaultsCostNoMoreThanTheirMessages) {
   EXPECT_GT(told, 0u);
   EXPECT_LT(told, 200u);
   EXPECT_TRUE(std::isfinite(last.estimate.filter.pose.x_m));
+}
+
+TEST(LiveLocalizer, ALidarThatNobodyPlacedHoldsUpNoOther) {
+  const Scene scene = hall_scene();
+  LiveLocalizer alone = robot_of(scene), robot = robot_of(scene);
+  alone.start(about(hall_drive().truth.front().pose));
+  robot.start(about(hall_drive().truth.front().pose));
+  std::vector<std::string> told;
+  for (const Message& message : scene.messages) {
+    if (message.role == TopicRole::scan) {
+      LaserScanMessage other;
+      read_laser_scan(MessageReader(message.bytes, "cdr"), other);
+      other.header.frame = "nowhere";
+      robot.take(TopicRole::scan, "/other", write_laser_scan(other).bytes());
+    }
+    ASSERT_EQ(feed(robot, {message}).size(), feed(alone, {message}).size());
+    for (const std::string& line : robot.troubles()) told.push_back(line);
+  }
+  EXPECT_EQ(robot.localizer().filter().digest(), alone.localizer().filter().digest());
+  ASSERT_EQ(told.size(), 1u);
+  EXPECT_NE(told[0].find("nowhere"), std::string::npos) << told[0];
 }
 
 TEST(LiveSlam, MapsWhatIsMappedOfABag) {
