@@ -12,7 +12,7 @@ import time
 from pathlib import Path
 
 import robot
-from node_test import all_of_nav2
+from node_case import all_of_nav2
 
 import parloc
 

@@ -1,4 +1,8 @@
-"""The bond with nav2's lifecycle manager, which takes a node for dead whose heart does not beat."""
+"""The bond with nav2's lifecycle manager, which takes a node for dead whose heart does not beat.
+
+The manager listens on `bond` of its own namespace, for the node's name; it waits 2 s for the first beat and 4 s for every
+other, unless its bond_timeout says otherwise. What it says there itself needs no answer.
+"""
 
 import uuid
 
@@ -19,7 +23,7 @@ class Heartbeat:
             heartbeat_timeout=self.TIMEOUT_S,
             heartbeat_period=period_s,
         )
-        self._publisher = node.create_publisher(Status, "/bond", 100)
+        self._publisher = node.create_publisher(Status, "bond", 100)
         self._timer = node.create_timer(period_s, self._beat)
 
     def _beat(self):
@@ -27,8 +31,9 @@ class Heartbeat:
         self._publisher.publish(self._status)
 
     def stop(self):
-        """Says that the bond is broken on purpose."""
+        """Says that the bond is broken on purpose, unless the node is ended and cannot say anything more."""
         self._status.active = False
-        self._beat()
+        if self._node.context.ok():
+            self._beat()
         self._node.destroy_timer(self._timer)
         self._node.destroy_publisher(self._publisher)
