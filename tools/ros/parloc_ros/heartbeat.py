@@ -6,11 +6,14 @@ other, unless its bond_timeout says otherwise. What it says there itself needs n
 
 import uuid
 
+from rclpy.duration import Duration
+
 
 class Heartbeat:
     """Says that the node is alive, as the package bond has it."""
 
     TIMEOUT_S = 4.0
+    FAREWELL_S = 0.2  # at most, until the last word is heard
 
     def __init__(self, node, period_s):
         from bond.msg import Status  # not everybody has a lifecycle manager
@@ -35,5 +38,6 @@ class Heartbeat:
         self._status.active = False
         if self._node.context.ok():
             self._beat()
+            self._publisher.wait_for_all_acked(Duration(seconds=self.FAREWELL_S))
         self._node.destroy_timer(self._timer)
         self._node.destroy_publisher(self._publisher)
