@@ -99,7 +99,7 @@ class Goes(node_case.NodeCase):
     def play_over_a_new_map(self, node, map_bytes):
         """Every scan is answered while the map is made ready, and after it has taken over."""
         third = len(self.messages) // 3
-        self.world.play_in_step(self.messages[:third])
+        self.assertEqual(self.world.play_in_step(self.messages[:third]), [], node.said())
         self.world.show_map(map_bytes)
         self.assertEqual(self.world.play_in_step(self.messages[third : 2 * third]), [], node.said())
         self.wait_for_map(node, 2)
@@ -119,7 +119,7 @@ class Goes(node_case.NodeCase):
         larger = parloc.GridMap(numpy.pad(grid.cells, margin, constant_values=2), grid.resolution_m, (*origin, 0.0))
         self.play_over_a_new_map(node, parloc.map_message(larger))
         self.assertIn(f"on a map of {larger.width} x {larger.height}", node.said())
-        self.expect_as_run(params, apart_m=0.05)
+        self.expect_as_run(params, apart_m=0.3)
 
     def test_killed_and_started_again(self):
         params = self.params(resume_pose=True, save_pose_rate=10.0)
@@ -159,14 +159,15 @@ class Goes(node_case.NodeCase):
         self.expect_as_run(params, apart_m=0.3)
 
     def test_goes_down_and_comes_up(self):
-        self.run_node(self.params())
+        node = self.run_node(self.params())
         turn = robot.Transition
         for transition in (turn.TRANSITION_DEACTIVATE, turn.TRANSITION_CLEANUP):
             self.assertTrue(self.world.turn(transition))
         self.assertTrue(self.world.bring_up())
         self.assertEqual(self.world.state(), "active")
+        self.wait_for_map(node, 2)
         self.play_all(20.0)
-        self.assertTrue(self.answered(self.scans - 3))
+        self.assertTrue(self.answered(self.scans - 3), node.said())
 
 
 class Maps(node_case.NodeCase):
