@@ -185,9 +185,8 @@ bool RobotMessages::place(Unplaced& waiting) {
   return true;
 }
 
-void RobotMessages::place_first() {
+void RobotMessages::take_placed(LogRecord record) {
   ++placed_;
-  LogRecord& record = unplaced_.front().record;
   if (choice_.without_odometry) {
     ready_.push_back(std::move(record));
   } else {
@@ -195,28 +194,34 @@ void RobotMessages::place_first() {
   }
 }
 
-void RobotMessages::drop_first() {
-  waiting_bytes_ -= unplaced_.front().cloud.size();
-  unplaced_.pop_front();
+void RobotMessages::drop(std::size_t k) {
+  waiting_bytes_ -= unplaced_[k].cloud.size();
+  unplaced_.erase(unplaced_.begin() + static_cast<std::ptrdiff_t>(k));
 }
 
+/// A bag's in the order in which they came. On a robot a LiDAR that nobody has placed does not hold up the
+/// others.
 void RobotMessages::place_scans() {
-  while (!unplaced_.empty()) {
+  for (std::size_t k = 0; k < unplaced_.size();) {
     try {
-      if (!place(unplaced_.front())) break;
-      place_first();
+      if (!place(unplaced_[k])) {
+        if (!sources_.live) break;
+        ++k;
+        continue;
+      }
+      take_placed(std::move(unplaced_[k].record));
     } catch (const BrokenMessage& broken) {
       count_broken(broken.why);
     } catch (const Error& error) {
       if (!sources_.live) throw;
       count(error.what());
     }
-    drop_first();
+    drop(k);
   }
   while (!unplaced_.empty() && waits_too_long()) {
     if (!sources_.live) throw why_unplaced();
     count(why_unplaced().what());
-    drop_first();
+    drop(0);
   }
 }
 

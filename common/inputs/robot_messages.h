@@ -71,9 +71,9 @@ class RobotMessages {
   void take_odometry(const OdometryMessage& message);
   void take_transforms(const std::vector<TransformMessage>& messages, bool fixed);
   void place_scans();
-  void place_first();
+  void take_placed(LogRecord record);
   bool place(Unplaced& scan);
-  void drop_first();
+  void drop(std::size_t k);
   bool waits_too_long() const;
   Error no_place(const Unplaced& scan) const;
   Error no_odometry() const;

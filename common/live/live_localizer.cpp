@@ -1,8 +1,10 @@
 #include "common/live/live_localizer.h"
 
+#include <mutex>
 #include <utility>
 
 #include "common/error.h"
+#include "common/filter/pose/pose_guess.h"
 #include "common/live/live_scans.h"
 
 namespace parloc {
@@ -10,6 +12,21 @@ namespace {
 
 /// After a break the robot is where it was, about: so much less sure.
 constexpr double kMoreSigma_m = 0.1, kMoreSigma_rad = 0.05;
+/// About each of several places that were possible.
+constexpr double kPlaceSigma_m = 0.1, kPlaceSigma_rad = 0.05;
+
+/// A localizer that is to say of the scan taken at `odometry` what another would have said.
+void start_as(Localizer& localizer, const LiveAnswer& last, const Pose& odometry, bool looks) {
+  const Pose moved = relative(odometry, last.odometry);
+  const LocalizerEstimate& before = last.estimate;
+  if (before.health.state == HealthState::lost && looks) return localizer.start_anywhere();
+  if (before.modes.size() < 2)
+    return localizer.start_at(compose(before.filter.pose, moved), before.filter.covariance);
+  std::vector<PoseGuess> places;
+  for (const Mode& mode : before.modes)
+    places.push_back({compose(mode.pose, moved), kPlaceSigma_m, kPlaceSigma_rad, mode.weight});
+  localizer.start_at(places);
+}
 
 }  // namespace
 
@@ -19,20 +36,24 @@ struct LiveLocalizer::State {
 
   LiveAnswer answer(const LogRecord& record);
   void start(const LiveStart& from);
-  void go_on();
+  void take_over(const Pose& odometry);
+  void go_on_somewhere_near();
 
+  mutable std::mutex prepared;  ///< prepare() reads configuration and localizer in another thread.
   Config config;
-  std::optional<Localizer> localizer;
+  std::shared_ptr<Localizer> localizer;
   std::shared_ptr<std::vector<std::string>> warnings;  ///< Of the localizer.
   LiveScans scans;
   std::optional<LiveStart> wanted;  ///< What was said last, as long as no scan has been answered since.
-  std::optional<Estimate> last;     ///< Since then.
+  std::optional<LiveAnswer> last;   ///< Since then.
   bool started = false;
+  bool takes_over = false;  ///< The localizer is a new one, and the next scan says where it begins.
 };
 
 LiveAnswer LiveLocalizer::State::answer(const LogRecord& record) {
   scans.pass_odometry(
       [&](const StampedPose& reading) { localizer->add_odometry(reading.stamp_s, reading.pose); });
+  if (std::exchange(takes_over, false)) take_over(record.odometry);
   LiveAnswer out;
   out.stamp_s = record.stamp_s;
   out.lidar = record.scan.sensor;
@@ -40,7 +61,7 @@ LiveAnswer LiveLocalizer::State::answer(const LogRecord& record) {
   out.estimate = localizer->step(record.odometry, record.scan);
   out.T_map_odom = compose(out.estimate.filter.pose, inverse(record.odometry));
   out.why_skipped = localizer->filter().why_skipped();
-  last = out.estimate.filter;
+  last = out;
   wanted.reset();
   return out;
 }
@@ -57,19 +78,31 @@ void LiveLocalizer::State::start(const LiveStart& from) {
   wanted = from;
   last.reset();
   started = true;
+  takes_over = false;
 }
 
-/// From where the last answer, or whoever spoke since, had the robot.
-void LiveLocalizer::State::go_on() {
-  started = false;
+/// From where the last answer and the odometry since have the robot.
+void LiveLocalizer::State::take_over(const Pose& odometry) {
+  try {
+    start_as(*localizer, *last, odometry, config.localize.recover);
+  } catch (const Error& error) {  // it is not on this map
+    if (error.kind() != ErrorKind::input) throw;
+    scans.tell(error.what());
+    localizer->start_anywhere();
+  }
+}
+
+/// From about where the last answer, or whoever spoke since, had the robot: odometry does not tell.
+void LiveLocalizer::State::go_on_somewhere_near() {
   try {
     if (wanted) return start(*wanted);
     if (!last) return;
-    Covariance covariance = last->covariance;
+    Covariance covariance = last->estimate.filter.covariance;
     for (const int k : {0, 4}) covariance.v[k] += kMoreSigma_m * kMoreSigma_m;
     covariance.v[8] += kMoreSigma_rad * kMoreSigma_rad;
-    start({last->pose, covariance});
+    start({last->estimate.filter.pose, covariance});
   } catch (const Error& error) {  // it is not on this map
+    if (error.kind() != ErrorKind::input) throw;
     scans.tell(error.what());
     start({});
   }
@@ -81,19 +114,38 @@ LiveLocalizer::~LiveLocalizer() = default;
 LiveLocalizer::LiveLocalizer(LiveLocalizer&&) noexcept = default;
 LiveLocalizer& LiveLocalizer::operator=(LiveLocalizer&&) noexcept = default;
 
-PreparedLocalizer LiveLocalizer::prepare(const Config& config, const GridMap& map) {
+PreparedLocalizer LiveLocalizer::prepare(const Config& config, const GridMap& map) const {
+  PreparedLocalizer here;
+  {
+    const std::lock_guard lock(state_->prepared);
+    here = {state_->config, state_->localizer, {}, state_->warnings};
+  }
+  if (here.localizer && config_to_yaml(config) == config_to_yaml(here.config)) {
+    here.map = here.localizer->prepare_map(map);
+    return here;
+  }
   auto warnings = std::make_shared<std::vector<std::string>>();
   Config live = config;
   live.scan.check_stamps = true;
   live.on_warning = [warnings](const std::string& line) { warnings->push_back(line); };
-  return {live, Localizer(live, map), warnings};
+  return {config, std::make_shared<Localizer>(live, map), {}, warnings};
 }
 
 void LiveLocalizer::put(PreparedLocalizer prepared) {
-  state_->config = std::move(prepared.config);
-  state_->localizer.emplace(std::move(prepared.localizer));
-  state_->warnings = std::move(prepared.warnings);
-  state_->go_on();
+  State& s = *state_;
+  if (!prepared.localizer) throw Error(ErrorKind::usage, "put: expected what prepare() gave, once");
+  if (prepared.map) prepared.localizer->replace_map(std::move(*prepared.map));
+  if (prepared.localizer == s.localizer) return;
+  {
+    const std::lock_guard lock(s.prepared);
+    s.config = std::move(prepared.config);
+    s.localizer = std::move(prepared.localizer);
+    s.warnings = std::move(prepared.warnings);
+  }
+  if (s.last)
+    s.takes_over = true;
+  else
+    s.go_on_somewhere_near();
 }
 
 void LiveLocalizer::start(const LiveStart& start) {
@@ -101,7 +153,7 @@ void LiveLocalizer::start(const LiveStart& start) {
 }
 
 bool LiveLocalizer::has_map() const {
-  return state_->localizer.has_value();
+  return state_->localizer != nullptr;
 }
 
 bool LiveLocalizer::started() const {
@@ -132,7 +184,7 @@ void LiveLocalizer::weigh_next() {
 void LiveLocalizer::forget() {
   State& s = *state_;
   s.scans.forget();
-  if (s.localizer) s.go_on();
+  if (s.localizer) s.go_on_somewhere_near();
 }
 
 const Localizer& LiveLocalizer::localizer() const {

@@ -24,10 +24,11 @@ struct LiveAnswer {
   std::string why_skipped;  ///< Why the scan changed nothing; empty if it did.
 };
 
-/// A localizer that is ready to be put in: making it of a large map takes a while, and can be done beside.
+/// What was made beside, ready to be put in: a localizer, or another map for the one that answers.
 struct PreparedLocalizer {
   Config config;
-  Localizer localizer;
+  std::shared_ptr<Localizer> localizer;
+  std::optional<Localizer::PreparedMap> map;           ///< Which it has not been given yet.
   std::shared_ptr<std::vector<std::string>> warnings;  ///< Where the localizer tells what it notices.
 };
 
@@ -49,11 +50,16 @@ class LiveLocalizer {
   LiveLocalizer(LiveLocalizer&&) noexcept;
   LiveLocalizer& operator=(LiveLocalizer&&) noexcept;
 
-  /// Everything that depends on map and settings; may run in another thread. Scans whose stamps make no sense
-  /// are refused (scan.check_stamps), whatever the settings say. Throws as Localizer.
-  static PreparedLocalizer prepare(const Config& config, const GridMap& map);
-  /// The next scan is answered by this one. The robot is where the one before had it, or where start() says.
-  /// Frames and topics stay those of the constructor.
+  /// Everything that depends on map and settings, which takes a while for a large map; another thread may
+  /// call it beside the other methods. Scans whose stamps make no sense are refused (scan.check_stamps),
+  /// whatever the settings say. Throws as Localizer.
+  PreparedLocalizer prepare(const Config& config, const GridMap& map) const;
+  /// Quick: the next scan is answered on that map, with those settings. Frames and topics stay those of the
+  /// constructor. Where the map alone is another one, all goes on as with Localizer::replace_map: the same
+  /// map again changes no bit. With other settings a filter begins anew where the robot is by the last answer
+  /// and the odometry since: with the covariance of that answer, at each of the places if several were
+  /// possible, or anywhere if it was lost and `localize.recover` says to look. What was learnt of the LiDARs
+  /// is learnt again.
   void put(PreparedLocalizer prepared);
   /// Where the robot is now: the next scan is taken there. Throws Error{input} for a pose that is not on the
   /// map; then nothing has changed. Without a map it is remembered.

@@ -1,7 +1,8 @@
 #!/usr/bin/env python3
 """How fast the node amcl answers: 1081 beams at 40 Hz and 2000 particles, publisher and listener on the same machine.
-Prints scans, answers, latency from scan to pose, and the CPU that the node takes of a core. A measurement, not a test.
-Usage: load_check.py PROGRAM [SECONDS]"""
+Prints scans, answers, latency from scan to pose, and the CPU that the node takes of a core. Meanwhile the map is sent again so
+often as MAPS says. A measurement, not a test.
+Usage: load_check.py PROGRAM [SECONDS [MAPS]]"""
 
 import json
 import statistics
@@ -12,7 +13,7 @@ import time
 from pathlib import Path
 
 import robot
-from node_test import all_of_nav2
+from node_case import all_of_nav2
 
 import parloc
 
@@ -47,7 +48,17 @@ def drive(work, program, seconds):
     return [m for m in messages if m[0] <= messages[0][0] + seconds and m[1] != "/odom"], [float(v) for v in row[1:3]]
 
 
-def main(program, seconds):
+def play(world, messages, map_bytes, maps):
+    """At real time, in parts, with a map between them."""
+    sent_s = {}
+    for part in range(maps + 1):
+        if part > 0:
+            world.show_map(map_bytes)
+        sent_s.update(world.play(messages[part * len(messages) // (maps + 1) : (part + 1) * len(messages) // (maps + 1)], 1.0))
+    return sent_s
+
+
+def main(program, seconds, maps):
     robot.begin()
     with tempfile.TemporaryDirectory() as folder:
         work = Path(folder)
@@ -61,12 +72,13 @@ def main(program, seconds):
         world, node = robot.World(), robot.NodeProcess(params, work / "node.log")
         try:
             world.bring_up()
-            world.show_map(parloc.map_message(parloc.read_map(robot.ROOT / "maps" / "hall_obstacles.yaml")))
+            map_bytes = parloc.map_message(parloc.read_map(robot.ROOT / "maps" / "hall_obstacles.yaml"))
+            world.show_map(map_bytes)
             world.meet(messages)
             fixed = [message for message in messages if message[1] == "/tf_static"][:1]
             world.wait_for(lambda: world.play(fixed, 1e3) and "on a map" in node.said())
             cpu_before_s, wall_before_s = cpu_s(node.process.pid), time.monotonic()
-            sent_s = world.play(messages, 1.0)
+            sent_s = play(world, messages, map_bytes, maps)
             cpu_share = (cpu_s(node.process.pid) - cpu_before_s) / (time.monotonic() - wall_before_s)
             scans = [stamp_s for name, stamp_s in sent_s if name == topic]
             world.wait_for(lambda: len(world.arrived_s) >= len(scans) - 1, 5.0)
@@ -81,4 +93,5 @@ def main(program, seconds):
 
 
 if __name__ == "__main__":
-    main(sys.argv[1], float(sys.argv[2]) if len(sys.argv) > 2 else 30.0)
+    program, seconds, maps = sys.argv[1:] + ["30", "0"][len(sys.argv) - 2 :]
+    main(program, float(seconds), int(maps))

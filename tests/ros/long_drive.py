@@ -66,7 +66,7 @@ def ranges_from(x_m):
 def main(hours):
     config = parloc.Config.from_yaml("{particles: 300, threads: 1, log: {base_frame: base_link}, scan: {max_beams: 30}}")
     robot = parloc.LiveLocalizer(config)
-    robot.put(parloc.LiveLocalizer.prepare(config, room()))
+    robot.put(robot.prepare(config, room()))
     robot.start((4.0, WIDTH_M / 2, 0.0), (0.1, 0.1, 0.05))
     robot.take("fixed_transforms", "/tf_static", transform(0.0, "base_link", "laser", 0.0, 0.0))
     moved_m = [2.0 * math.sin(2.0 * math.pi * k / CYCLE) for k in range(CYCLE)]

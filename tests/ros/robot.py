@@ -48,10 +48,10 @@ def messages_of(bag):
 class NodeProcess:
     """A node of parloc_ros in a process of its own."""
 
-    def __init__(self, params_file, log_path, kind="amcl"):
+    def __init__(self, params_file, log_path, kind="amcl", *more):
         self._log = Path(log_path).open("w")  # noqa: SIM115
-        code = f"from parloc_ros.{kind} import main; main()"
-        command = [sys.executable, "-B", "-c", code, "--ros-args", "--params-file", str(params_file)]
+        code = f"from parloc_ros.{kind} import main; raise SystemExit(main())"
+        command = [sys.executable, "-B", "-c", code, "--ros-args", "--params-file", str(params_file), *more]
         self.process = subprocess.Popen(command, stdout=self._log, stderr=subprocess.STDOUT)
         self.log_path = log_path
 
@@ -62,9 +62,9 @@ class NodeProcess:
         self.process.kill()
         self.process.wait(10)
 
-    def end(self):
+    def end(self, by=signal.SIGINT):
         if self.process.poll() is None:
-            self.process.send_signal(signal.SIGINT)
+            self.process.send_signal(by)
             self.process.wait(20)
         self._log.close()
 
@@ -72,8 +72,8 @@ class NodeProcess:
 class World(Node):
     """Plays messages, keeps what the node answers, and turns its lifecycle. Spins in a thread of its own."""
 
-    def __init__(self, hears_transforms=True):
-        super().__init__("world")
+    def __init__(self, hears_transforms=True, namespace=None):
+        super().__init__("world", namespace=namespace)
         self.poses, self.transforms, self.arrived_s = [], [], {}
         self.create_subscription(PoseWithCovarianceStamped, "amcl_pose", self._take_pose, RELIABLE)
         if hears_transforms:
@@ -113,23 +113,27 @@ class World(Node):
 
     def turn(self, transition, node="amcl"):
         request = ChangeState.Request(transition=Transition(id=transition))
-        return self.call(ChangeState, f"/{node}/change_state", request).success
+        return self.call(ChangeState, f"{node}/change_state", request).success
 
-    def bring_up(self, node="amcl"):
-        for _ in range(20):  # a node that was killed is still known for a while, and does not answer
+    def wait_for_state(self, node="amcl"):
+        """Of a node that is being started; one that was killed is still known for a while, and does not answer."""
+        for _ in range(20):
             try:
-                if self.call(GetState, f"/{node}/get_state", GetState.Request(), 2.0).current_state.label:
-                    break
+                return self.call(GetState, f"{node}/get_state", GetState.Request(), 2.0).current_state.label
             except TimeoutError:
                 continue
+        return ""
+
+    def bring_up(self, node="amcl"):
+        self.wait_for_state(node)
         return self.turn(Transition.TRANSITION_CONFIGURE, node) and self.turn(Transition.TRANSITION_ACTIVATE, node)
 
-    def state(self):
-        return self.call(GetState, "/amcl/get_state", GetState.Request()).current_state.label
+    def state(self, node="amcl"):
+        return self.call(GetState, f"{node}/get_state", GetState.Request()).current_state.label
 
     def set_parameter(self, name, value):
         request = SetParameters.Request(parameters=[Parameter(name, value=value).to_parameter_msg()])
-        return self.call(SetParameters, "/amcl/set_parameters", request).results[0]
+        return self.call(SetParameters, "amcl/set_parameters", request).results[0]
 
     def send_pose(self, x_m, y_m, theta_rad):
         message = PoseWithCovarianceStamped()
@@ -173,6 +177,22 @@ class World(Node):
             self.player(topic, kind).publish(data)
             sent_s[topic, round(stamp_s, 6)] = time.monotonic()
         return sent_s
+
+    def play_in_step(self, messages, unanswered=(), timeout_s=10.0):
+        """Goes on when the scans of before the odometry are answered: whatever else the machine does, the node takes the
+        messages in this order. Returns the stamps of scans without an answer; the topics `unanswered` wait for none."""
+        waiting, missing = [], []
+        for stamp_s, topic, kind, data in messages:
+            if kind not in KINDS:
+                continue
+            self.player(topic, kind).publish(data)
+            if kind == "sensor_msgs/msg/LaserScan" and topic not in unanswered:
+                waiting.append(round(stamp_s, 6))
+            while topic == "/tf" and waiting and waiting[0] <= stamp_s:
+                answered = waiting.pop(0)
+                if not self.wait_for(lambda answered=answered: answered in self.arrived_s, timeout_s):
+                    missing.append(answered)
+        return missing
 
     def wait_for(self, condition, timeout_s=20.0):
         end_s = time.monotonic() + timeout_s

@@ -8,64 +8,16 @@
 #include <string>
 #include <vector>
 
-#include "common/bag/open_bag.h"
 #include "common/inputs/bag_log.h"
 #include "common/io/scan_stream.h"
 #include "common/live/answer_messages.h"
 #include "common/live/live_slam.h"
-#include "tests/unit/simulated.h"
-#include "tests/unit/temp_file.h"
-#include "tools/log/converted_log.h"
+#include "common/ros/message_writer.h"
+#include "common/ros/messages.h"
+#include "tests/unit/live_scene.h"
 
 namespace parloc {
 namespace {
-
-struct Message {
-  TopicRole role;
-  std::string topic, bytes;
-};
-
-std::string bag_of(const SimulatedLog& log) {
-  std::string bytes;
-  const auto out = tools::convert_to_mcap([&](std::string_view part) { bytes += part; });
-  for (const LogRecord& record : log.records) out->write(record);
-  out->finish();
-  return bytes;
-}
-
-std::vector<Message> messages_of(const std::string& path) {
-  const auto bag = open_bag(path);
-  const std::vector<TopicRole> roles = choose_topics(*bag, {}, path);
-  bag->select(std::vector<bool>(roles.size(), true));
-  std::vector<Message> messages;
-  for (BagMessage message; bag->next(message);)
-    messages.push_back({roles[message.topic], bag->topics()[message.topic].name, std::string(message.bytes)});
-  return messages;
-}
-
-Config quick_config() {
-  Config config;
-  config.backend = BackendChoice::cpu;
-  config.threads = 2;
-  config.particles = 500;
-  config.scan.max_beams = 30;
-  return config;
-}
-
-/// The hall, and spinning on the spot with scans that take 0.1 s each.
-struct Scene {
-  const GridMap& map;
-  Config config = quick_config();
-  test::TempFile bag;
-  std::vector<Message> messages;
-
-  Scene(const SimulatedLog& log, const GridMap& on)
-      : map(on), bag("drive.mcap", bag_of(log)), messages(messages_of(bag.path())) {}
-};
-
-Scene hall_scene() {
-  return {hall_drive(), fine_hall()};
-}
 
 /// As `parloc run` drives it.
 std::string digest_of_bag(const Scene& scene, const Pose& start, std::size_t& scans_answered) {
@@ -79,31 +31,6 @@ std::string digest_of_bag(const Scene& scene, const Pose& start, std::size_t& sc
     localizer.step(record.odometry, record.scan);
   }
   return localizer.filter().digest();
-}
-
-std::vector<LiveAnswer> feed(LiveLocalizer& robot, const std::vector<Message>& messages) {
-  std::vector<LiveAnswer> answers;
-  for (const Message& message : messages) {
-    robot.take(message.role, message.topic, message.bytes);
-    while (auto answer = robot.next()) answers.push_back(*answer);
-  }
-  return answers;
-}
-
-bool has_odometry(const std::vector<Message>& messages) {
-  for (const Message& message : messages)
-    if (message.role == TopicRole::odometry) return true;
-  return false;
-}
-
-LiveLocalizer robot_of(const Scene& scene) {
-  LiveLocalizer robot(scene.config, has_odometry(scene.messages));
-  robot.put(LiveLocalizer::prepare(scene.config, scene.map));
-  return robot;
-}
-
-LiveStart about(const Pose& pose) {
-  return {pose, covariance_of(0.2, 0.2, 0.1)};
 }
 
 TEST(LiveLocalizer, SaysWhatIsSaidOfABag) {
@@ -173,12 +100,12 @@ TEST(LiveLocalizer, KeepsItsPoseOnAnotherMap) {
   robot.start(about(hall_drive().truth.front().pose));  // remembered until there is a map
   EXPECT_TRUE(feed(robot, {scene.messages.begin(), scene.messages.begin() + 50}).empty());
   EXPECT_FALSE(robot.started());
-  robot.put(LiveLocalizer::prepare(scene.config, scene.map));
+  robot.put(robot.prepare(scene.config, scene.map));
   EXPECT_TRUE(robot.started());
   std::size_t answers = 0;
   LiveAnswer last;
   for (std::size_t k = 50; k < scene.messages.size(); ++k) {
-    if (k == scene.messages.size() / 2) robot.put(LiveLocalizer::prepare(scene.config, scene.map));
+    if (k == scene.messages.size() / 2) robot.put(robot.prepare(scene.config, scene.map));
     robot.take(scene.messages[k].role, scene.messages[k].topic, scene.messages[k].bytes);
     for (; auto answer = robot.next(); ++answers) last = *answer;
   }
@@ -240,6 +167,27 @@ TEST(LiveLocalizer, ThousandFaultsCostNoMoreThanTheirMessages) {
   EXPECT_GT(told, 0u);
   EXPECT_LT(told, 200u);
   EXPECT_TRUE(std::isfinite(last.estimate.filter.pose.x_m));
+}
+
+TEST(LiveLocalizer, ALidarThatNobodyPlacedHoldsUpNoOther) {
+  const Scene scene = hall_scene();
+  LiveLocalizer alone = robot_of(scene), robot = robot_of(scene);
+  alone.start(about(hall_drive().truth.front().pose));
+  robot.start(about(hall_drive().truth.front().pose));
+  std::vector<std::string> told;
+  for (const Message& message : scene.messages) {
+    if (message.role == TopicRole::scan) {
+      LaserScanMessage other;
+      read_laser_scan(MessageReader(message.bytes, "cdr"), other);
+      other.header.frame = "nowhere";
+      robot.take(TopicRole::scan, "/other", write_laser_scan(other).bytes());
+    }
+    ASSERT_EQ(feed(robot, {message}).size(), feed(alone, {message}).size());
+    for (const std::string& line : robot.troubles()) told.push_back(line);
+  }
+  EXPECT_EQ(robot.localizer().filter().digest(), alone.localizer().filter().digest());
+  ASSERT_EQ(told.size(), 1u);
+  EXPECT_NE(told[0].find("nowhere"), std::string::npos) << told[0];
 }
 
 TEST(LiveSlam, MapsWhatIsMappedOfABag) {

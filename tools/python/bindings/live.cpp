@@ -58,10 +58,10 @@ void make(Robot* self, const ConfigBox* config, bool odometry_topic) {
   new (self) Robot(config_or_default(config), odometry_topic);
 }
 
-PreparedLocalizer prepare(const ConfigBox& config, const GridMap& map) {
+PreparedLocalizer prepare(const LiveLocalizer& robot, const ConfigBox& config, const GridMap& map) {
   const Config given = config.config;
   const nb::gil_scoped_release others;
-  return LiveLocalizer::prepare(given, map);
+  return robot.prepare(given, map);
 }
 
 /// All that can be said after a message, with the interpreter free for others.
@@ -207,7 +207,8 @@ void bind_live_slam(nb::module_& m) {
 
 void bind_live(nb::module_& m) {
   bind_live_answer(m);
-  nb::class_<PreparedLocalizer>(m, "PreparedLocalizer", "A localizer of a map, ready to be put in.");
+  nb::class_<PreparedLocalizer>(m, "PreparedLocalizer",
+                                "What LiveLocalizer.prepare() made: a localizer of a map, or a map for one.");
   nb::class_<LiveLocalizer>(
       m, "LiveLocalizer",
       "A localizer that is fed with the messages of a robot with ROS 2, in CDR: it says what `parloc run` "
@@ -217,14 +218,16 @@ void bind_live(nb::module_& m) {
       .def("__init__", &make<LiveLocalizer>, "config"_a = nb::none(), "odometry_topic"_a = false,
            "`config.log` says which frames are the odometry's and the robot's. Without `odometry_topic` the "
            "odometry is a transform. There is no map yet: scans are let pass.")
-      .def_static("prepare", &prepare, "config"_a, "map"_a,
-                  "Makes a localizer of configuration and map, which takes a while for a large map. Raises "
-                  "ConfigError "
-                  "and InputError.")
+      .def("prepare", &prepare, "config"_a, "map"_a,
+           "Makes what put() needs of configuration and map, which takes a while for a large map; beside the "
+           "other methods, in any thread. Raises ConfigError and InputError.")
       .def(
           "put", [](LiveLocalizer& robot, PreparedLocalizer& ready) { robot.put(std::move(ready)); },
           "prepared"_a,
-          "The next scan is answered by this one, from where the robot is; `prepared` is used up.")
+          "The next scan is answered on that map, with that configuration; `prepared` is used up. Where the "
+          "map alone is another one, particles and all that was learnt stay: the same map again changes no "
+          "bit. With another configuration a filter begins anew where the robot is, as unsure as it was. "
+          "Raises UsageError for what was used up.")
       .def(
           "start", &start, "pose"_a = nb::none(), "sigma"_a = std::array<double, 3>{},
           "ros_covariance"_a = nb::none(),

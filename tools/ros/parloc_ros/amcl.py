@@ -29,13 +29,15 @@ class Amcl(RobotNode):
 
     def __init__(self, **options):
         super().__init__("amcl", parameters.OF_AMCL, **options)
+        self._making = 0  # the number of what is wanted of those who work beside
         self.add_on_set_parameters_callback(self._on_parameters)
 
     def _begin(self):
         told = self._told
         self._robot = parloc.LiveLocalizer(self._config, odometry_topic=bool(told["odom_topic"]))
         self._map = self._fingerprint = self._new_fingerprint = None
-        self._ready, self._making = None, 0  # a localizer that was made beside, and the number of the one wanted
+        self._making += 1  # whoever works for a robot of before works in vain
+        self._ready = None  # what was made beside
         self._changed = threading.Lock()
         self._pose_file = PoseFile(told["pose_file"], self.get_fully_qualified_name())
         self._last = None
@@ -51,16 +53,18 @@ class Amcl(RobotNode):
             self._every(max(1.0 / told["save_pose_rate"], 0.1), self._end)
 
     def _begin_with_nav2(self):
-        """What has nav2's own messages."""
+        """What has nav2's own messages; the service is younger than Humble."""
         self._cloud_topic = None
         try:
             from nav2_msgs.msg import ParticleCloud
+
+            self._cloud_topic = self._publish_on(ParticleCloud, "particle_cloud", qos_profile_sensor_data)
             from nav2_msgs.srv import SetInitialPose
-        except ImportError:
-            self.get_logger().warning("no particle_cloud, no set_initial_pose: the package nav2_msgs is not installed")
-            return
-        self._cloud_topic = self._publish_on(ParticleCloud, "particle_cloud", qos_profile_sensor_data)
-        self._serve(SetInitialPose, "set_initial_pose", self._set_pose)
+
+            self._serve(SetInitialPose, "set_initial_pose", self._set_pose)
+        except ImportError as error:
+            missing = "set_initial_pose" if self._cloud_topic else "particle_cloud and no set_initial_pose"
+            self.get_logger().warning(f"no {missing}: {error}")
 
     def _end(self):
         """Keeps the last pose."""
@@ -110,13 +114,13 @@ class Amcl(RobotNode):
         self._make(self._config)
 
     def _make(self, config):
-        """Makes a localizer beside, which takes over with the next message after it is done."""
+        """Makes what depends on map and settings beside; it takes over with the next message after it is done."""
         self._making += 1
-        number, grid = self._making, self._map
+        number, grid, robot = self._making, self._map, self._robot
 
         def make():
             try:
-                ready = parloc.LiveLocalizer.prepare(config, grid)
+                ready = robot.prepare(config, grid)
             except parloc.Error as error:
                 self.get_logger().error(f"{error}: the map before stays")
                 return
@@ -203,4 +207,4 @@ class Amcl(RobotNode):
 
 def main():
     """Runs the node until it is told to end."""
-    run_node(Amcl)
+    return run_node(Amcl)

@@ -2,6 +2,7 @@
 
 import time
 
+from lifecycle_msgs.srv import ChangeState
 from nav_msgs.msg import Odometry
 from rclpy.lifecycle import LifecycleNode, TransitionCallbackReturn
 from rclpy.qos import QoSDurabilityPolicy, QoSProfile, QoSReliabilityPolicy
@@ -20,6 +21,23 @@ FIXED_TRANSFORMS = QoSProfile(depth=100, durability=QoSDurabilityPolicy.TRANSIEN
 SCANS = QoSProfile(depth=100, reliability=QoSReliabilityPolicy.BEST_EFFORT)
 
 
+def refuse_what_cannot_be(node):
+    """A transition that the node's state does not have is answered with no. rclpy before Kilted lets the node die of it, and
+    nav2's lifecycle manager asks for some: it deactivates whatever there is when one of its nodes is gone."""
+    (service,) = (service for service in node.services if service.srv_type is ChangeState)
+    change = service.callback
+
+    def change_or_refuse(request, response):
+        try:
+            return change(request, response)
+        except RuntimeError as error:
+            node.get_logger().warning(f"no transition {request.transition.id} from here: {error}")
+            response.success = False
+            return response
+
+    service.callback = change_or_refuse
+
+
 class RobotNode(LifecycleNode):
     """Configure makes topics and services, activate lets answers out, cleanup takes all of it down again.
 
@@ -35,17 +53,20 @@ class RobotNode(LifecycleNode):
         self._robot = None
         self._active = False
         self._heartbeat = None
+        refuse_what_cannot_be(self)
+        if self.get_parameter("autostart_node").value:
+            self._autostart = self.create_timer(0.0, self._start_itself)
 
     # ---- the lifecycle -----------------------------------------------------------------------------------------------
 
     def on_configure(self, state):
         """Reads the parameters, and listens."""
-        self._told = parameters.read(self, self._own_parameters)
         self._delay, self._dropped = Delay(), 0
         try:
+            self._told = parameters.read(self, self._own_parameters)
             self._config = self._told.config()
             self._begin()
-        except parloc.Error as error:
+        except (parloc.Error, TypeError) as error:
             self.get_logger().error(str(error))
             self._take_down()
             return TransitionCallbackReturn.FAILURE
@@ -84,6 +105,15 @@ class RobotNode(LifecycleNode):
         self._rest()
         self._take_down()
         return TransitionCallbackReturn.SUCCESS
+
+    def end(self):
+        """The process ends: keeps what is to be kept, and tells the lifecycle manager."""
+        self._rest()
+
+    def _start_itself(self):
+        self.destroy_timer(self._autostart)
+        if self.trigger_configure() == TransitionCallbackReturn.SUCCESS:
+            self.trigger_activate()
 
     def _rest(self):
         self._active = False

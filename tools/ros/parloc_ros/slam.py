@@ -59,4 +59,4 @@ class Slam(RobotNode):
 
 def main():
     """Runs the node until it is told to end."""
-    run_node(Slam)
+    return run_node(Slam)
