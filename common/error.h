@@ -21,7 +21,9 @@ enum class ErrorKind {
 /// An error with one clear line: what was expected, and where.
 class Error : public std::runtime_error {
  public:
+  /// `message` is one line that says what was expected.
   Error(ErrorKind kind, const std::string& message) : std::runtime_error(message), kind_(kind) {}
+  /// What went wrong, as a program tells it apart.
   ErrorKind kind() const { return kind_; }
 
  private:
@@ -34,6 +36,7 @@ inline Error file_error(ErrorKind kind, const std::string& file, std::size_t lin
   const std::string where = line > 0 ? file + ":" + std::to_string(line) : file;
   return Error(kind, where + ": " + message);
 }
+/// The same of the kind `input`.
 inline Error input_error(const std::string& file, std::size_t line, const std::string& message) {
   return file_error(ErrorKind::input, file, line, message);
 }

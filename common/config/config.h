@@ -13,10 +13,10 @@ namespace parloc {
 /// The localizer's settings, which are at the top, and those that flows and SLAM have besides or in place of
 /// them.
 struct Config : LocalizerConfig {
-  FlowConfig flow;
-  int flow_max_beams = FlowFilterConfig().scan.max_beams;  ///< flow.max_beams
-  LogChoice log;                                           ///< Without what log_choice() adds.
-  SlamConfig slam;
+  FlowConfig flow;                                           ///< Of Kalman filters and particle flows.
+  int flow_max_beams = FlowFilterConfig().scan.max_beams;    ///< flow.max_beams
+  LogChoice log;                                             ///< Without what log_choice() adds.
+  SlamConfig slam;                                           ///< Of mapping.
   int slam_max_beams = GridSlamConfig().scan.max_beams;      ///< slam.max_beams
   double slam_update_min_d = GridSlamConfig().update_min_d;  ///< slam.update_min_d [m]
   double slam_update_min_a = GridSlamConfig().update_min_a;  ///< slam.update_min_a [rad]
@@ -24,6 +24,7 @@ struct Config : LocalizerConfig {
 
 /// Flows take every scan, whatever update_min_d and update_min_a say.
 FlowFilterConfig flow_filter_config(const Config& config);
+/// What GridSlam reads of all settings, with the scans, beams and thresholds that mapping has of its own.
 GridSlamConfig grid_slam_config(const Config& config);
 /// Whose grid_slam_config() that is; all else has its defaults.
 Config config_of(const GridSlamConfig& slam);
@@ -40,6 +41,7 @@ void validate(const Config& config);
 /// (naming the range). `alpha1..alpha4` require `form` beside them. A file with `ros__parameters` of an amcl
 /// node is nav2's, and translated (common/config/nav2_config.h).
 Config read_config(const std::string& path, const Config& base = {});
+/// The same from a text in memory; `name` stands for the file in messages.
 Config config_from_text(const std::string& text, const std::string& name, const Config& base = {});
 
 /// The whole configuration, every key with a comment that explains it. read_config gives it back.

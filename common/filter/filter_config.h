@@ -10,9 +10,17 @@
 
 namespace parloc {
 
-enum class ResampleScheme { systematic, stratified, residual, multinomial, multinomial_linear };
+/// How particles are drawn anew by their weights.
+enum class ResampleScheme {
+  systematic,          ///< One random number for all, at even distances.
+  stratified,          ///< One for each, in its part of as many even ones.
+  residual,            ///< Whole copies first, what is left over at random.
+  multinomial,         ///< Each by itself.
+  multinomial_linear,  ///< The same, looked up from the first particle on.
+};
+/// When and how particles are drawn anew.
 struct ResampleConfig {
-  ResampleScheme scheme = ResampleScheme::systematic;
+  ResampleScheme scheme = ResampleScheme::systematic;  ///< How.
   double threshold = 0.5;  ///< Resample when N_eff < threshold * N; 1 or more: every step.
 };
 
@@ -37,26 +45,35 @@ struct RecoveryConfig {
   double expansion_sigma_theta = 0.3;  ///< [rad]
 };
 
-enum class EstimateMode { mean, cluster };
+/// Which pose stands for the particles.
+enum class EstimateMode {
+  mean,     ///< That of all.
+  cluster,  ///< That of the heaviest cluster.
+};
+/// What is reported.
 struct EstimateConfig {
   EstimateMode mode = EstimateMode::cluster;  ///< The whole set's mean, or that of its heaviest cluster.
 };
 
+/// Everything that a ParticleFilter reads.
 struct FilterConfig : StepConfig {
-  std::int64_t particles = 2000;     ///< 1 to 16,777,216.
-  std::int64_t min_particles = 0;    ///< Below max_particles: their number adapts. 0: max_particles.
-  std::int64_t max_particles = 0;    ///< 0: particles.
-  double initial_sigma_xy = 0.2;     ///< Spread of a start pose given without one [m].
-  double initial_sigma_theta = 0.1;  ///< [rad]
-  SensorConfig sensor;
-  ResampleConfig resample;
-  KldConfig kld;
-  RecoveryConfig recovery;
-  EstimateConfig estimate;
+  std::int64_t particles = 2000;       ///< 1 to 16,777,216.
+  std::int64_t min_particles = 0;      ///< Below max_particles: their number adapts. 0: max_particles.
+  std::int64_t max_particles = 0;      ///< 0: particles.
+  double initial_sigma_xy = 0.2;       ///< Spread of a start pose given without one [m].
+  double initial_sigma_theta = 0.1;    ///< [rad]
+  SensorConfig sensor;                 ///< How well a scan fits the map at a pose.
+  ResampleConfig resample;             ///< When and how particles are drawn anew.
+  KldConfig kld;                       ///< How many are enough, where their number adapts.
+  RecoveryConfig recovery;             ///< What helps when the robot is lost.
+  EstimateConfig estimate;             ///< Which pose is reported.
   std::shared_ptr<FilterGroup> group;  ///< No setting: filters of the process that step together; or null.
 
+  /// The number at the start, for which there is memory.
   std::int64_t most_particles() const { return max_particles > 0 ? max_particles : particles; }
+  /// Where the number adapts, it does not fall below this.
   std::int64_t fewest_particles() const { return min_particles > 0 ? min_particles : most_particles(); }
+  /// Whether the number adapts (KldConfig).
   bool adapts_particles() const { return fewest_particles() < most_particles(); }
 };
 

@@ -10,7 +10,8 @@ namespace parloc {
 
 /// How often filters have stepped, and in how many goes.
 struct FilterGroupCounts {
-  std::uint64_t steps = 0, batches = 0;
+  std::uint64_t steps = 0;    ///< Of all filters together.
+  std::uint64_t batches = 0;  ///< Goes in which these were done.
 };
 
 /// Filters that are given one group start the kernels of their steps together: one launch does the work of
@@ -22,6 +23,7 @@ struct FilterGroupCounts {
 class FilterGroup {
  public:
   virtual ~FilterGroup() = default;
+  /// Since the group was made.
   virtual FilterGroupCounts counts() const = 0;
 };
 

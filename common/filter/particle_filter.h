@@ -13,6 +13,7 @@
 
 namespace parloc {
 
+/// Tracks a pose on a map with particles. Threads, copies and determinism as PoseFilter says.
 class ParticleFilter final : public PoseFilter {
  public:
   /// Throws Error{config} for an impossible configuration, Error{backend} if the backend is not there,
@@ -31,6 +32,7 @@ class ParticleFilter final : public PoseFilter {
   /// Puts the particles there in the middle of a run, which goes on: the robot is there now, at the odometry
   /// of the last step, as an operator says who sees it. Throws as start_at, and Error{usage} before a start.
   void relocate(const Pose& pose_in_map, const Covariance& covariance);
+  /// The same about several places, as start_at has them.
   void relocate(const std::vector<PoseGuess>& guesses);
   /// The same where the robot is there at this odometry: the next step does not move the particles if its own
   /// is that. Guesses may lie outside the map. Throws Error{input} for one that is not finite.
@@ -42,6 +44,7 @@ class ParticleFilter final : public PoseFilter {
     PreparedMap(PreparedMap&&) noexcept;
     PreparedMap& operator=(PreparedMap&&) noexcept;
     ~PreparedMap();
+    /// The map itself.
     const GridMap& map() const;
 
    private:
@@ -57,6 +60,7 @@ class ParticleFilter final : public PoseFilter {
   /// lies, those that are outside among them, and the run goes on. Quick: between two scans. The running
   /// means of `recovery` begin anew. Throws Error{usage} for what another filter has prepared.
   void replace_map(PreparedMap prepared);
+  /// Both at once.
   void replace_map(const GridMap& map) { replace_map(prepare_map(map)); }
 
   /// Before a step: puts `share` of the particles, above 0 and below 1, about a place where the wheels may
@@ -76,6 +80,7 @@ class ParticleFilter final : public PoseFilter {
   /// Where the beams of a scan ended, in the base frame at its stamp, decimation apart, by the odometry known
   /// so far.
   std::vector<EndPoint> end_points(const Scan& scan) const;
+  /// What the filter was made with, but for a seed that was set.
   const FilterConfig& config() const;
 
  private:

@@ -25,19 +25,22 @@ struct Estimate {
   Covariance covariance;  ///< Of the same.
   PoseEstimate mean;      ///< All particles.
   PoseEstimate cluster;   ///< The heaviest connected cluster of 0.5 m x 0.5 m x 10 degree bins.
-  double n_eff = 0.0;
-  std::size_t particles = 0;     ///< That were weighed: where their number adapts, it differs by step.
-  double p_injected = 0.0;       ///< Share of the next particles that is drawn from free space.
-  double beam_likelihood = 0.0;  ///< Of the last scan used: geometric mean over its beams; 0: none yet.
-  bool weighted = false;         ///< A scan was used (else prediction only).
-  bool resampled = false;
+  double n_eff = 0.0;     ///< Effective number of particles: 1 / sum of squared weights, before resampling.
+  std::size_t particles = 0;       ///< That were weighed: where their number adapts, it differs by step.
+  double p_injected = 0.0;         ///< Share of the next particles that is drawn from free space.
+  double beam_likelihood = 0.0;    ///< Of the last scan used: geometric mean over its beams; 0: none yet.
+  bool weighted = false;           ///< A scan was used (else prediction only).
+  bool resampled = false;          ///< Particles were drawn anew afterwards.
   bool lost = false;               ///< Every particle had weight zero: weights were made uniform.
   bool ambiguous_heading = false;  ///< The mean's heading is undefined; the cluster's was taken.
 };
 
 /// A particle as a user sees it: map frame, weight share.
 struct Particle {
-  float x_m, y_m, theta_rad, weight;
+  float x_m;        ///< Place along the map's x axis.
+  float y_m;        ///< And along its y axis.
+  float theta_rad;  ///< Heading.
+  float weight;     ///< Share of the total, 0 to 1.
 };
 
 /// Not thread-safe, one object per filter: a filter may be handed from thread to thread, but what is called
@@ -108,9 +111,9 @@ class PoseFilter {
   const std::vector<LidarUse>& lidars_used() const;  ///< By LiDAR, in the order in which they came.
   std::size_t odometry_jumps() const;                ///< Steps that no robot makes (ContinuousOdometry).
   std::size_t odometry_invalid() const;              ///< Steps skipped because the odometry was not finite.
-  std::size_t steps() const;
-  std::string backend_name() const;  ///< "cpu (AVX-512, 2 threads)" or "cuda (device name)".
-  const GridMap& map() const;
+  std::size_t steps() const;                         ///< Since the start, those without a scan among them.
+  std::string backend_name() const;                  ///< "cpu (AVX-512, 2 threads)" or "cuda (device name)".
+  const GridMap& map() const;                        ///< The one that is localized on.
   /// SHA-256 over particles by slot and over every step's estimate, hex.
   std::string digest() const;
 

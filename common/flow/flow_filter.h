@@ -26,6 +26,7 @@ class FlowFilter final : public PoseFilter {
   /// Steps in pseudo-time lag behind: scans taken in by Euler steps where the prior is so much wider than the
   /// measurement (s / r above 100) that they leave the cloud twice too wide or more.
   std::size_t stiff_scans() const;
+  /// What the filter was made with, but for a seed that was set.
   const FlowFilterConfig& config() const;
 
  private:

@@ -13,23 +13,25 @@
 
 namespace parloc {
 
+/// What a record is.
 enum class RecordKind { odometry, scan };
 
 /// One odometry reading, or one scan with the odometry at its time.
 struct LogRecord {
-  RecordKind kind = RecordKind::odometry;
-  double stamp_s = 0.0;
-  Pose odometry;  ///< Pose of the base in the odometry frame.
-  Scan scan;      ///< For kind == scan.
-  std::size_t line = 0;
+  RecordKind kind = RecordKind::odometry;  ///< Whether there is a scan.
+  double stamp_s = 0.0;                    ///< The reading's time, or the scan's.
+  Pose odometry;                           ///< Pose of the base in the odometry frame.
+  Scan scan;                               ///< For kind == scan.
+  std::size_t line = 0;                    ///< Where it stands in a text, for messages; else 0.
 };
 
 /// Something that a log leaves open or states oddly, of one of its LiDARs: said once, as soon as it is seen.
 struct LogNote {
+  /// Which angles its beams have, or where it sits on the robot.
   enum class About { angles, mount };
-  About about = About::angles;
-  std::string lidar;  ///< Scan::sensor.
-  std::string text;   ///< One line, with the settings that decide it.
+  About about = About::angles;  ///< What is left open.
+  std::string lidar;            ///< Scan::sensor.
+  std::string text;             ///< One line, with the settings that decide it.
 };
 
 /// What a reader worked around. Nothing is dropped without being counted here.
@@ -54,6 +56,7 @@ class LogReader {
   virtual bool next(LogRecord& record) = 0;
   /// Of a log that is still being made: next() gave none, but more may come.
   virtual bool waits() const { return false; }
+  /// What was worked around so far.
   virtual const LogWarnings& warnings() const = 0;
   /// Fraction of the file read so far, 0 to 1 (compressed bytes for gzip).
   virtual double progress() const = 0;

@@ -15,8 +15,8 @@ struct LogChoice {
   std::string map_topic;       ///< Empty: the only one there is.
   std::string truth_topic;     ///< Poses; empty: the only topic of them there is.
   std::string truth_frame;     ///< True poses are where the base is in it, by /tf. Empty: those of the topic.
-  double cloud_low = 0.1,
-         cloud_high = 1.0;             ///< What of a cloud of points is a scan: height over the base [m].
+  double cloud_low = 0.1;      ///< What of a cloud of points is a scan: from this height over the base [m],
+  double cloud_high = 1.0;     ///< to this one.
   std::vector<std::string> mounted{};  ///< Sensors whose place on the robot is known without the log.
   bool without_odometry = false;       ///< Scans alone will do: where there is no odometry, it is zero.
 };

@@ -12,6 +12,7 @@ namespace parloc {
 /// are skipped. Throws Error{input} with file:line for an unreadable file, a line that is not 8 numbers (or
 /// no whole FLASER line), a quaternion far from unit length, or a file without a pose.
 Trajectory read_tum(const std::string& path);
+/// The same from a text in memory; `name` stands for the file in messages.
 Trajectory tum_from_text(const std::string& text, const std::string& name);
 
 /// Stamps with 6 decimals, one row per pose, written to a temporary file that is renamed. Throws

@@ -16,26 +16,26 @@ namespace parloc {
 
 /// What is said to one scan.
 struct LiveAnswer {
-  double stamp_s = 0.0;  ///< The scan's.
-  std::string lidar;     ///< Its topic without the slash.
-  Pose odometry;         ///< T_odom_base at that time, as the robot said it.
-  LocalizerEstimate estimate;
-  Pose T_map_odom;          ///< What takes the robot's own odometry to the map: pose * odometry^-1.
-  std::string why_skipped;  ///< Why the scan changed nothing; empty if it did.
+  double stamp_s = 0.0;        ///< The scan's.
+  std::string lidar;           ///< Its topic without the slash.
+  Pose odometry;               ///< T_odom_base at that time, as the robot said it.
+  LocalizerEstimate estimate;  ///< What the localizer says.
+  Pose T_map_odom;             ///< What takes the robot's own odometry to the map: pose * odometry^-1.
+  std::string why_skipped;     ///< Why the scan changed nothing; empty if it did.
 };
 
 /// What was made beside, ready to be put in: a localizer, or another map for the one that answers.
 struct PreparedLocalizer {
-  Config config;
-  std::shared_ptr<Localizer> localizer;
+  Config config;                                       ///< What it was made with.
+  std::shared_ptr<Localizer> localizer;                ///< It, not started yet; none with another map.
   std::optional<Localizer::PreparedMap> map;           ///< Which it has not been given yet.
   std::shared_ptr<std::vector<std::string>> warnings;  ///< Where the localizer tells what it notices.
 };
 
 /// Where a robot is, as far as is known. Without a pose it may be anywhere.
 struct LiveStart {
-  std::optional<Pose> pose_in_map{};
-  Covariance covariance{};
+  std::optional<Pose> pose_in_map{};  ///< T_map_base, if it is known.
+  Covariance covariance{};            ///< How well; map frame.
 };
 
 /// Messages go in, answers come out: the same as `parloc run` gives to a bag of the same messages. Memory is
@@ -64,8 +64,8 @@ class LiveLocalizer {
   /// Where the robot is now: the next scan is taken there. Throws Error{input} for a pose that is not on the
   /// map; then nothing has changed. Without a map it is remembered.
   void start(const LiveStart& start);
-  bool has_map() const;
-  bool started() const;
+  bool has_map() const;  ///< Whether one was put.
+  bool started() const;  ///< Whether start() was called, and there is a map.
 
   /// A message in CDR, as ROS 2 sends it.
   void take(TopicRole role, const std::string& topic, std::string_view bytes);

@@ -41,8 +41,8 @@ class LiveSlam {
 
   /// The most likely particle's map so far; nothing before the first scan. Its cost grows with its area.
   std::optional<GridMap> map_so_far() const;
-  const GridSlam& slam() const;
-  std::size_t waiting() const;  ///< Scans without an answer yet.
+  const GridSlam& slam() const;  ///< With everything that it tells.
+  std::size_t waiting() const;   ///< Scans without an answer yet.
   /// Each once, as it is seen.
   std::vector<std::string> troubles();
 

@@ -5,18 +5,21 @@
 
 namespace parloc {
 
+/// What a localizer is sure of.
 enum class HealthState {
   tracking,   ///< One place, and the scans fit it.
   ambiguous,  ///< The scans fit, but several places are possible.
   lost,       ///< The scans do not fit.
 };
+/// "tracking", "ambiguous" or "lost".
 const char* name_of(HealthState state);
 
+/// How far a pose is to be believed.
 struct Health {
   double probability = 0.0;  ///< That the pose is within 0.5 m and 10 degrees of the truth.
   double evidence = 0.0;     ///< What the scans say for it, smoothed [nat per beam] (ScanEvidence).
   double log_odds = 0.0;     ///< What they say together, before it is calibrated [nat] (HealthMonitor).
-  HealthState state = HealthState::lost;
+  HealthState state = HealthState::lost;  ///< The same in a word.
 };
 
 /// What one scan says of the place that is tracked.

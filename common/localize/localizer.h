@@ -17,8 +17,8 @@ namespace parloc {
 
 /// What a localizer says after a scan.
 struct LocalizerEstimate {
-  Estimate filter;  ///< Its pose is in filter.pose.
-  Health health;
+  Estimate filter;          ///< Its pose is in filter.pose.
+  Health health;            ///< How far it is to be believed; without `localize.health` that of nothing seen.
   std::vector<Mode> modes;  ///< While `ambiguous`: the places that are possible, most likely first.
   bool searched = false;    ///< The whole map was searched at this scan.
   std::size_t found = 0;    ///< Hypotheses of that search.
@@ -35,9 +35,11 @@ class Localizer {
   Localizer(Localizer&&) noexcept;
   Localizer& operator=(Localizer&&) noexcept;
 
-  /// The start is known, about: as ParticleFilter, or several places that are possible.
+  /// The start is known, about, by standard deviations along the map's axes. Throws as ParticleFilter.
   void start_at(const Pose& pose_in_map, double sigma_x_m, double sigma_y_m, double sigma_theta_rad);
+  /// The same by a whole covariance, map frame.
   void start_at(const Pose& pose_in_map, const Covariance& covariance);
+  /// One of several places.
   void start_at(const std::vector<PoseGuess>& guesses);
   /// It is not: the first scan decides. What is known beforehand restricts this and every later search.
   void start_anywhere(const SearchPrior& prior = {});
@@ -47,6 +49,7 @@ class Localizer {
   /// believed as a start is, and a search that is under way is given up; odometry, counts and what was learnt
   /// of the LiDARs go on. Throws as ParticleFilter::relocate.
   void relocate(const Pose& pose_in_map, const Covariance& covariance);
+  /// The same about several places.
   void relocate(const std::vector<PoseGuess>& guesses);
 
   /// A map with all that a localizer makes of it. To be moved, not copied.
@@ -55,6 +58,7 @@ class Localizer {
     PreparedMap(PreparedMap&&) noexcept;
     PreparedMap& operator=(PreparedMap&&) noexcept;
     ~PreparedMap();
+    /// The map itself.
     const GridMap& map() const;
 
    private:
@@ -71,6 +75,7 @@ class Localizer {
   /// search that is under way begins anew, places that a search has found on the old map are forgotten.
   /// Throws as ParticleFilter::replace_map.
   void replace_map(PreparedMap prepared);
+  /// Both at once.
   void replace_map(const GridMap& map) { replace_map(prepare_map(map)); }
 
   void add_odometry(double stamp_s, const Pose& odometry);  ///< As ParticleFilter.
@@ -82,8 +87,8 @@ class Localizer {
   /// As ParticleFilter::predict, with the covariance of the closed loop.
   PoseEstimate predict(double stamp_s) const;
 
-  const ParticleFilter& filter() const;
-  std::size_t searches() const;  ///< Since the start.
+  const ParticleFilter& filter() const;  ///< The filter inside, with everything that it tells.
+  std::size_t searches() const;          ///< Since the start.
 
  private:
   struct State;

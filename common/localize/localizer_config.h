@@ -6,6 +6,7 @@
 
 namespace parloc {
 
+/// Settings of what watches the filter.
 struct LocalizeConfig {
   bool health = true;  ///< Judge every estimate. Without it there is no search either.
   bool slips = true;   ///< Look around the prediction when the scan does not fit it: wheels slip.
@@ -16,12 +17,14 @@ struct LocalizeConfig {
   /// as every other, so that each scan is answered in time; the robot is `lost` until it is done.
   bool first_search_at_once = true;
   double search_slice = 5.0;  ///< Most work of a search beside one scan [million; each 2 to 3 ms on a core].
-  double search_every_m = 0.3, search_every_rad = 0.3;  ///< Of moving between two searches for rivals.
+  double search_every_m = 0.3;    ///< So far the robot goes between two searches for rivals,
+  double search_every_rad = 0.3;  ///< or turns.
 };
 
+/// Everything that a Localizer reads.
 struct LocalizerConfig : FilterConfig {
-  LocalizeConfig localize;
-  SearchConfig search;
+  LocalizeConfig localize;  ///< Of what watches the filter.
+  SearchConfig search;      ///< Of the search of the whole map.
 };
 
 }  // namespace parloc

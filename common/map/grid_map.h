@@ -13,10 +13,18 @@ namespace parloc {
 /// A straight piece of wall, from a to b in the grid frame of its map [m]. Closed: a ray that meets an end
 /// point is stopped.
 struct GridWall {
-  float ax, ay, bx, by;
+  float ax;  ///< One end, along the grid's x axis.
+  float ay;  ///< And along its y axis.
+  float bx;  ///< The other end, along x.
+  float by;  ///< And along y.
 };
 
-enum class Cell : std::uint8_t { free = 0, occupied = 1, unknown = 2 };
+/// What is known of a cell.
+enum class Cell : std::uint8_t {
+  free = 0,      ///< Nothing is there.
+  occupied = 1,  ///< A wall, or another thing that stays.
+  unknown = 2,   ///< Nobody has looked.
+};
 
 /// Row-major grid: cell (i, j) is cells[j * width + i], i along +x and j along +y of the grid frame, whose
 /// origin is the lower-left corner of cell (0, 0). Outside the grid is unknown.
@@ -33,12 +41,15 @@ struct GridMap {
   std::vector<std::string>
       notes;  ///< What its file says that is not used, or not as it stands; one line each.
 
+  /// Number of cells.
   std::size_t size() const { return cells.size(); }
+  /// Whether the grid has a cell of this place.
   bool contains(std::int32_t i, std::int32_t j) const { return i >= 0 && j >= 0 && i < width && j < height; }
   /// Place of a cell of the grid.
   std::size_t index(std::int32_t i, std::int32_t j) const {
     return static_cast<std::size_t>(j) * static_cast<std::size_t>(width) + static_cast<std::size_t>(i);
   }
+  /// The cell of this place; unknown outside the grid.
   Cell at(std::int32_t i, std::int32_t j) const {
     return contains(i, j) ? cells[index(i, j)] : Cell::unknown;
   }

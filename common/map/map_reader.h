@@ -14,8 +14,8 @@ namespace parloc {
 
 /// A grey image, row 0 at the top.
 struct GreyImage {
-  std::int32_t width = 0;
-  std::int32_t height = 0;
+  std::int32_t width = 0;            ///< Pixels along a row.
+  std::int32_t height = 0;           ///< Rows.
   std::vector<std::uint8_t> pixels;  ///< Rounded to 8 bits.
   std::vector<std::uint8_t> alpha;   ///< Empty, or one value per pixel.
   /// Where the file says more than 8 bits of grey: red + green + blue of each pixel, each 0 to 65535 (8-bit
@@ -33,11 +33,11 @@ GridMap read_map(const std::string& path);
 
 /// A grid map and what only its files know.
 struct ImageMap {
-  GridMap map;
-  MapYaml yaml;
+  GridMap map;   ///< As read_map() gives it.
+  MapYaml yaml;  ///< What the YAML file says.
   /// How many pixels of each grey, rounded to 8 bits, became free, occupied and unknown.
   std::array<std::array<std::size_t, 3>, 256> cells_of_grey{};
-  bool has_alpha = false;
+  bool has_alpha = false;      ///< The image has an alpha channel.
   std::size_t not_opaque = 0;  ///< Pixels.
 };
 /// `text` is that of the YAML file at `yaml_path`. Throws as read_map().
@@ -47,7 +47,9 @@ ImageMap read_image_map(const std::string& text, const std::string& yaml_path);
 /// compression of 1, 4, 8, 24 or 32 bits per pixel. Memory stays in proportion to `size`, whatever the file
 /// claims. Throws Error{input}.
 GreyImage read_pgm(const std::uint8_t* data, std::size_t size, const std::string& name);
+/// As read_pgm.
 GreyImage read_png(const std::uint8_t* data, std::size_t size, const std::string& name);
+/// As read_pgm.
 GreyImage read_bmp(const std::uint8_t* data, std::size_t size, const std::string& name);
 
 /// Writes `path` (YAML) and the PGM of the same stem beside it, trinary. Throws Error{output}, and

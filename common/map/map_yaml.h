@@ -23,12 +23,12 @@ enum class MapMode {
 struct MapYaml {
   std::string image;           ///< As written: relative to the YAML file's folder, or absolute.
   std::size_t image_line = 0;  ///< Line of the key `image`, for messages.
-  double resolution_m = 0.0;
-  Pose T_map_grid;  ///< `origin`: the lower-left corner of the image in the map frame; yaw in [-pi, pi).
-  bool negate = false;
-  double occupied_thresh = 0.0;
-  double free_thresh = 0.0;
-  MapMode mode = MapMode::trinary;
+  double resolution_m = 0.0;   ///< Side of a cell.
+  Pose T_map_grid;      ///< `origin`: the lower-left corner of the image in the map frame; yaw in [-pi, pi).
+  bool negate = false;  ///< Bright pixels are occupied, in place of dark ones.
+  double occupied_thresh = 0.0;     ///< Occupancy above it is a wall, 0 to 1.
+  double free_thresh = 0.0;         ///< Occupancy below it is free, 0 to 1.
+  MapMode mode = MapMode::trinary;  ///< How a pixel becomes an occupancy.
   std::vector<std::string> notes;  ///< What is not used, or not as it stands: "m.yaml:7: ...", one line each.
 };
 

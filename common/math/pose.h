@@ -5,8 +5,8 @@ namespace parloc {
 
 /// A pose in the plane, or the rigid transform T_parent_child that it stands for.
 struct Pose {
-  double x_m = 0.0;
-  double y_m = 0.0;
+  double x_m = 0.0;        ///< Along the parent's x axis.
+  double y_m = 0.0;        ///< And along its y axis.
   double theta_rad = 0.0;  ///< Counter-clockwise, 0 along +x, in [-pi, pi).
 };
 
@@ -40,7 +40,9 @@ Pose along_arc(const Pose& step, double part);
 /// A step at constant speed and turn rate: how far the body goes along its heading and to its side, and how
 /// far it turns meanwhile.
 struct ArcMotion {
-  double ahead_m = 0.0, side_m = 0.0, turn_rad = 0.0;
+  double ahead_m = 0.0;   ///< Along the body's own heading.
+  double side_m = 0.0;    ///< To its left.
+  double turn_rad = 0.0;  ///< Counter-clockwise.
 };
 /// The one that ends at `step`, which turns by less than half a turn.
 ArcMotion arc_motion(const Pose& step);

@@ -18,7 +18,8 @@ struct OdometryReading {
 
 /// What a ContinuousOdometry remembers.
 struct OdometryMemory {
-  Pose raw, pose;        ///< Of the last reading, as it came and as it was given out.
+  Pose raw;              ///< Of the last reading, as it came.
+  Pose pose;             ///< And as it was given out.
   double stamp_s = 0.0;  ///< Likewise.
   Pose step;             ///< The last motion that was none of a jump, in the robot's frame, ...
   double step_s = 0.0;   ///< ... and how long it took; 0: there was none.
@@ -41,6 +42,7 @@ class ContinuousOdometry {
 
   /// The next reading; nothing if it is not finite.
   std::optional<OdometryReading> take(double stamp_s, const Pose& raw);
+  /// Forgets the readings and the counts.
   void clear();
 
   std::size_t jumps() const { return jumps_; }      ///< Since the start.
@@ -48,7 +50,9 @@ class ContinuousOdometry {
   /// Readings whose stamp was not later than the one before.
   std::size_t stalled() const { return stalled_; }
 
+  /// What it remembers; nothing before the first reading.
   const std::optional<OdometryMemory>& memory() const { return last_; }
+  /// Goes on from what another one remembered.
   void restore(const std::optional<OdometryMemory>& memory) { last_ = memory; }
 
  private:

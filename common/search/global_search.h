@@ -30,6 +30,7 @@ struct Hypothesis {
   bool as_good = false;    ///< As good as the first (which is, too).
 };
 
+/// What a search of the whole map has found.
 struct SearchResult {
   std::vector<Hypothesis> hypotheses;  ///< The most likely first; separated; may be empty.
   bool ambiguous = false;  ///< Another one is as good as the first, or there were too many to judge them all.
@@ -98,7 +99,7 @@ class GlobalSearch {
   /// All of the work that has been done since `begin`.
   std::int64_t work_done() const;
 
-  std::string backend_name() const;
+  std::string backend_name() const;           ///< As PoseFilter::backend_name().
   const std::string& backend_reason() const;  ///< One line on why this one was taken.
 
  private:

@@ -5,6 +5,7 @@
 
 namespace parloc {
 
+/// Settings of a search of the whole map.
 struct SearchConfig {
   /// Cells of the search are at least this large: finer cells of the map are put together [m].
   double cell_m = 0.05;
@@ -24,14 +25,19 @@ struct SearchConfig {
 
 /// What is known of the pose beforehand, in the map frame. What is empty may be anything.
 struct SearchPrior {
+  /// A round part of the map.
   struct Disc {
-    double x_m, y_m, radius_m;
+    double x_m;       ///< Its middle, along the map's x axis.
+    double y_m;       ///< And along its y axis.
+    double radius_m;  ///< So far around.
   };
+  /// Headings to both sides of one.
   struct Interval {
-    double heading_rad, tolerance_rad;
+    double heading_rad;    ///< The middle one.
+    double tolerance_rad;  ///< So far to either side.
   };
-  std::optional<Disc> region{};
-  std::optional<Interval> heading{};
+  std::optional<Disc> region{};       ///< Where the robot is.
+  std::optional<Interval> heading{};  ///< Where it looks.
 };
 
 }  // namespace parloc

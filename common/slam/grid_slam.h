@@ -22,9 +22,9 @@ namespace parloc {
 
 /// One scan that was taken in.
 struct SlamRecord {
-  double stamp_s = 0.0;
-  double n_eff = 0.0;
-  bool resampled = false;
+  double stamp_s = 0.0;         ///< The scan's.
+  double n_eff = 0.0;           ///< Effective number of particles, before resampling.
+  bool resampled = false;       ///< Particles were drawn anew afterwards.
   std::size_t tiles = 0;        ///< In use by all particles together.
   std::size_t handed_over = 0;  ///< Tiles of far places, one for all particles (slam.memory_mib).
 };
@@ -37,7 +37,9 @@ struct SlamMemory {
   std::size_t sub_map_bytes = 0;    ///< Of the places that are handed over now; in host memory.
 };
 
-/// Not thread-safe; trajectory(), map(), loops() and digest() are not either, const as they are.
+/// Draws a map while it finds its way in it. Deterministic: the same configuration and calls give the same
+/// bits on every backend, thread count and instruction set. Not thread-safe; trajectory(), map(), loops() and
+/// digest() are not either, const as they are.
 class GridSlam {
  public:
   /// Throws Error{config} and Error{backend}.
@@ -52,6 +54,7 @@ class GridSlam {
   /// as a whole and on the disk, or is what it was. Throws Error{output}.
   void save(const std::string& path, const std::string& own = {}) const;
 
+  /// A reading between scans, in any order, as PoseFilter takes them.
   void add_odometry(double stamp_s, const Pose& odometry);
   /// Takes a scan in if the robot has moved far enough since the last one that counted; whether it did. The
   /// map frame's origin is where the first scan was taken.
@@ -77,15 +80,19 @@ class GridSlam {
   /// Closes the loops now, if they are to be closed. `watch` is told how much is done, 0 to 1; what it throws
   /// ends that, as if it had not been asked for.
   void close_loops(const std::function<void(double fraction)>& watch) const;
-  /// The same as the particle has them, whatever slam.close_loops says; for pictures on the way.
+  /// The same as the particle has it, whatever slam.close_loops says; for pictures on the way.
   Trajectory trajectory_so_far() const;
+  /// Likewise its map.
   GridMap map_so_far() const;
+  /// SHA-256 over these two, hex.
   std::string digest_so_far() const;
   /// What became of the loops; nothing without slam.close_loops.
   std::optional<LoopCounts> loops() const;
+  /// By scan that counted.
   const std::vector<SlamRecord>& records() const;
   /// By scan that counted: how many different poses the particles of now have behind them there.
   std::vector<std::size_t> distinct_ancestors() const;
+  /// What the maps take now.
   SlamMemory memory() const;
   /// At every scan from the first that counted on: as recorded, or from the scans.
   Trajectory odometry() const;
@@ -94,9 +101,9 @@ class GridSlam {
   const std::vector<LidarUse>& lidars_used() const;  ///< By LiDAR, in the order in which they came.
   std::size_t odometry_jumps() const;                ///< Of the steps (ContinuousOdometry), this run's alone.
   std::size_t odometry_invalid() const;              ///< Scans skipped because their odometry was not finite.
-  const GridSlamConfig& config() const;
-  std::string backend_name() const;
-  std::string digest() const;  ///< Of trajectory() and the cells of map().
+  const GridSlamConfig& config() const;              ///< What it was made with.
+  std::string backend_name() const;                  ///< As PoseFilter::backend_name().
+  std::string digest() const;  ///< SHA-256, hex, of trajectory() and the cells of map().
 
  private:
   struct State;

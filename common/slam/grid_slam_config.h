@@ -6,13 +6,15 @@
 
 namespace parloc {
 
+/// Everything that a GridSlam reads.
 struct GridSlamConfig : StepConfig {
+  /// With the defaults of mapping where they differ from those of filters.
   GridSlamConfig() {
     scan.max_beams = 180;  // at most kMostSlamBeams
     update_min_d = update_min_a = 0.25;
   }
 
-  SlamConfig slam;
+  SlamConfig slam;  ///< Of mapping.
 };
 
 /// As validate(FilterConfig).

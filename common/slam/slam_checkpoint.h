@@ -23,6 +23,7 @@ class SlamCheckpoint {
   SlamCheckpoint(SlamCheckpoint&&) noexcept;
   SlamCheckpoint& operator=(SlamCheckpoint&&) noexcept;
 
+  /// The file, for messages.
   const std::string& name() const { return name_; }
   /// What the state was made with. Backend, threads and device may be set to others before going on, nothing
   /// else: the bits are the same everywhere.

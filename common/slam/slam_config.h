@@ -22,11 +22,12 @@ enum class SlamOdometry {
   scans,     ///< Each scan matched to the last ones (ScanOdometry); readings are not looked at.
 };
 
+/// Settings of mapping.
 struct SlamConfig {
-  std::int64_t particles = 30;
-  SlamProposal proposal = SlamProposal::scan_match;
-  SlamOdometry odometry = SlamOdometry::recorded;
-  double resolution = 0.05;  ///< Cell size [m].
+  std::int64_t particles = 30;                       ///< Each with a map of its own.
+  SlamProposal proposal = SlamProposal::scan_match;  ///< Where a particle's next pose comes from.
+  SlamOdometry odometry = SlamOdometry::recorded;    ///< What moves the particles between scans.
+  double resolution = 0.05;                          ///< Cell size [m].
   /// So far a beam that saw nothing within its LiDAR's range clears its way [m]; 0: it says nothing.
   double clear_range = 0.0;
   double usable_range = 30.0;         ///< Beams are cut here: farther ends are not matched or drawn [m].

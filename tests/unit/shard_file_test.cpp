@@ -56,7 +56,8 @@ TEST_F(ShardFileTest, WhereverItIsCutOffTheTrialsBeforeAreKept) {
     file.add(3, 0.5, "three");
   }
   const std::string whole = bytes();
-  const std::uint64_t first = read_shard(shard_path(folder)).trials[1].offset - 24;  // where the second begins
+  const std::vector<StoredTrial> trials = read_shard(shard_path(folder)).trials;
+  const std::uint64_t first = trials[1].offset - 24, none = trials[0].offset - 24;  // where they begin
   for (std::size_t size = whole.size() - 1; size >= first; --size) {
     write(whole.substr(0, size));
     const ShardContents c = read_shard(shard_path(folder));
@@ -67,7 +68,7 @@ TEST_F(ShardFileTest, WhereverItIsCutOffTheTrialsBeforeAreKept) {
     EXPECT_EQ(bytes().size(), first);
   }
   // Before that it is no file of a shard.
-  for (std::size_t size = 1; size < first; size += 7) {
+  for (std::size_t size = 1; size < none; size += 7) {
     write(whole.substr(0, size));
     error_of([&] { read_shard(shard_path(folder)); }, ErrorKind::input);
   }

@@ -10,14 +10,14 @@ namespace parloc {
 
 /// 3x3 covariance of (x, y, theta), row-major, symmetric [m^2, m rad, rad^2].
 struct Covariance {
-  double v[9] = {};
+  double v[9] = {};  ///< Row by row.
 };
 
 /// A weighted mean with circular heading, and its covariance, in the map frame.
 struct PoseEstimate {
-  Pose mean;
-  Covariance covariance;
-  double weight = 0.0;             ///< Share of the total weight, 0 to 1.
+  Pose mean;              ///< In the map frame; the heading is the direction of the mean unit vector.
+  Covariance covariance;  ///< About it.
+  double weight = 0.0;    ///< Share of the total weight, 0 to 1.
   double heading_resultant = 0.0;  ///< R of the circular mean: 1 is certain, 0 undefined.
 };
 
