@@ -27,7 +27,7 @@ struct LiveAnswer {
 /// What was made beside, ready to be put in: a localizer, or another map for the one that answers.
 struct PreparedLocalizer {
   Config config;                                       ///< What it was made with.
-  std::shared_ptr<Localizer> localizer;                ///< It, not started yet; none with another map.
+  std::shared_ptr<Localizer> localizer;                ///< A new one, or the one that answers.
   std::optional<Localizer::PreparedMap> map;           ///< Which it has not been given yet.
   std::shared_ptr<std::vector<std::string>> warnings;  ///< Where the localizer tells what it notices.
 };

@@ -17,8 +17,10 @@ namespace fs = std::filesystem;
 
 const Args kCorridorLog{"--log",   "maps/logs/malaga_corridor.log.gz", "--map", "maps/malaga_corridor.yaml",
                         "--truth", "maps/logs/malaga_corridor.tum"};
-const Args kHall{"evaluate", "--scenario", "configs/paz2012_scenario.yaml", "--task", "track", "--trials", "5",
-                 "--duration", "2", "--particles", "100", "--quiet"};
+const Args kHall{"evaluate",    "--scenario", "configs/paz2012_scenario.yaml",
+                 "--task",      "track",      "--trials",
+                 "5",           "--duration", "2",
+                 "--particles", "100",        "--quiet"};
 
 class ShardsProgram : public ProgramSuite {
  protected:
@@ -27,7 +29,8 @@ class ShardsProgram : public ProgramSuite {
 
   static std::string part(std::size_t number) { return path("parts/" + std::to_string(number)); }
   static Args shard_of(const Args& command, std::size_t number, std::size_t of) {
-    return with(command, {"--shard", std::to_string(number) + "/" + std::to_string(of), "--out", part(number)});
+    return with(command,
+                {"--shard", std::to_string(number) + "/" + std::to_string(of), "--out", part(number)});
   }
   static Args merge_of(const std::vector<std::size_t>& numbers, const Args& more = {}) {
     Args args{"merge"};
@@ -38,7 +41,8 @@ class ShardsProgram : public ProgramSuite {
   static std::string untimed(std::string page) {
     page = page.substr(0, page.find("<h2>Times on this machine"));
     page = std::regex_replace(page, std::regex("[0-9-]+T[0-9:]+Z"), "DATE");
-    page = std::regex_replace(page, std::regex("<div class=\"wide\"><table class=\"numbers\"><caption>Times.*?</table>"), "");
+    page = std::regex_replace(
+        page, std::regex("<div class=\"wide\"><table class=\"numbers\"><caption>Times.*?</table>"), "");
     return std::regex_replace(page, std::regex("<tr><th>times</th>.*?</tr>"), "");
   }
   static Json untimed_json(const std::string& file) {
@@ -59,13 +63,15 @@ TEST_F(ShardsProgram, PartsTogetherAreTheWhole) {
       {with({"evaluate", "--starts", "4", "--duration", "10", "--particles", "200", "--quiet"}, kCorridorLog),
        "evaluate.json", 3},
       {{"evaluate", "--families", "--family", "corridor", "--trials", "3", "--particles", "100", "--quiet"},
-       "families.json", 2},
+       "families.json",
+       2},
       {with({"evaluate", "--corrupt", "slips=3", "--trials", "3", "--particles", "200", "--quiet"},
             kCorridorLog),
        "families.json", 2},
       {{"compare", "--filters", "mcl@100,ekf", "--scenario", "configs/paz2012_scenario.yaml", "--seeds", "3",
         "--duration", "3", "--quiet"},
-       "compare.json", 2}};
+       "compare.json",
+       2}};
   for (const Case& c : cases) {
     SCOPED_TRACE(testing::PrintToString(c.command));
     SetUp();
@@ -104,8 +110,19 @@ TEST_F(ShardsProgram, SamplesAreKeptForWhoeverAskedForThem) {
 }
 
 TEST_F(ShardsProgram, WhatWasKilledGoesOn) {
-  const Args loud{"evaluate",   "--scenario", "configs/paz2012_scenario.yaml", "--task", "track", "--trials", "9",
-                  "--duration", "20",         "--particles",                   "2000",   "--jobs", "1"};
+  const Args loud{"evaluate",
+                  "--scenario",
+                  "configs/paz2012_scenario.yaml",
+                  "--task",
+                  "track",
+                  "--trials",
+                  "9",
+                  "--duration",
+                  "20",
+                  "--particles",
+                  "2000",
+                  "--jobs",
+                  "1"};
   const pid_t child = runner->start(shard_of(loud, 1, 1));
   runner->wait_for(" 2 of 9 trials");
   kill(child, SIGKILL);
@@ -125,8 +142,19 @@ TEST_F(ShardsProgram, WhatWasKilledGoesOn) {
 }
 
 TEST_F(ShardsProgram, CtrlCKeepsWhatIsFinished) {
-  const Args loud{"evaluate",   "--scenario", "configs/paz2012_scenario.yaml", "--task", "track", "--trials", "9",
-                  "--duration", "20",         "--particles",                   "2000",   "--jobs", "1"};
+  const Args loud{"evaluate",
+                  "--scenario",
+                  "configs/paz2012_scenario.yaml",
+                  "--task",
+                  "track",
+                  "--trials",
+                  "9",
+                  "--duration",
+                  "20",
+                  "--particles",
+                  "2000",
+                  "--jobs",
+                  "1"};
   const Outcome o = broken_off(shard_of(loud, 1, 1), " 1 of 9 trials");
   EXPECT_EQ(o.out.find("9 of its 9"), std::string::npos) << o.out;
   expect_parts(o.out, {"of its 9 trials are in"});
@@ -165,7 +193,8 @@ TEST_F(ShardsProgram, AMapThatHasChangedIsToldAndNotMerged) {
   std::string yaml = read("m.yaml");
   yaml = std::regex_replace(yaml, std::regex("image: *"), "image: " + fs::absolute("maps").string() + "/");
   write("m.yaml", yaml);
-  Args command = with({"evaluate", "--starts", "2", "--duration", "5", "--particles", "100", "--quiet"}, kCorridorLog);
+  Args command =
+      with({"evaluate", "--starts", "2", "--duration", "5", "--particles", "100", "--quiet"}, kCorridorLog);
   command[11] = path("m.yaml");
   done(shard_of(command, 1, 1));
   EXPECT_EQ(call(merge_of({1})).code, 0);

@@ -24,9 +24,7 @@ class ShardFileTest : public testing::Test {
       (std::filesystem::temp_directory_path() / ("parloc_shard_file_" + std::to_string(getpid()))).string();
   void TearDown() override { std::filesystem::remove_all(folder); }
   std::string bytes() const { return test::content_of(shard_path(folder)); }
-  void write(const std::string& bytes) const {
-    std::ofstream(shard_path(folder), std::ios::binary) << bytes;
-  }
+  void write(const std::string& bytes) const { std::ofstream(shard_path(folder), std::ios::binary) << bytes; }
 };
 
 TEST_F(ShardFileTest, WhatWasAddedIsThereAgain) {
@@ -113,8 +111,9 @@ TEST(ShardHead, TheFirstDifferenceIsNamed) {
 TEST(TypedCommand, WordsComeBack) {
   const std::vector<std::string> words{"parloc", "a b", "it's", "", "--x=1,2", "'", "\\", "ü"};
   EXPECT_EQ(words_of(typed_command(words)), words);
-  EXPECT_EQ(deciding_command("./build/parloc evaluate --out 'my folder' --jobs=3 --trials 5 --shard 1/3 --json"),
-            "parloc evaluate --trials 5");
+  EXPECT_EQ(
+      deciding_command("./build/parloc evaluate --out 'my folder' --jobs=3 --trials 5 --shard 1/3 --json"),
+      "parloc evaluate --trials 5");
 }
 
 }  // namespace
