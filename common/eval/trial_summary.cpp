@@ -127,7 +127,7 @@ bool succeeded(const TrialOutcome& outcome, double limit_s) {
   return outcome.localized_after_s && *outcome.localized_after_s <= limit_s + 1e-9;
 }
 
-TrialSummary summarise(const TrialPlan& plan, double limit_s, const Results<TrialResult>& trials) {
+TrialSummary summarise(const TrialPlan& plan, double limit_s, const ResultStream<TrialResult>& trials) {
   Tally tally(plan, limit_s);
   trials.each([&](const TrialResult& trial) { tally.add(trial); });
   return tally.summary();

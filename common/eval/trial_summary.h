@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "common/eval/calibration.h"
-#include "common/eval/results.h"
+#include "common/eval/result_stream.h"
 #include "common/eval/run_trial.h"
 #include "common/eval/spread.h"
 
@@ -46,6 +46,6 @@ bool succeeded(const TrialOutcome& outcome, double limit_s);
 
 /// Depends on the order of `trials` in the last bits of sums only: give them in the order of their seeds.
 /// Goes through them once, and keeps some 40 bytes of each.
-TrialSummary summarise(const TrialPlan& plan, double limit_s, const Results<TrialResult>& trials);
+TrialSummary summarise(const TrialPlan& plan, double limit_s, const ResultStream<TrialResult>& trials);
 
 }  // namespace parloc

@@ -246,7 +246,7 @@ TEST(Summarise, OnlyAKidnappingIsNoticed) {
 }
 
 TEST(Summarise, OfNothingIsNoNumber) {
-  const TrialSummary s = summarise(plan_of(TrialTask::global), 3.0, Results<TrialResult>());
+  const TrialSummary s = summarise(plan_of(TrialTask::global), 3.0, ResultStream<TrialResult>());
   EXPECT_EQ(s.trials, 0u);
   EXPECT_TRUE(std::isnan(s.success.share));
   EXPECT_TRUE(std::isnan(s.rmse_m));

@@ -134,7 +134,7 @@ void run_all(const Request& request, const LogSource& source, const GridMap& map
   run_items({request.items.size(), request.jobs, request.stop, tell}, make_worker);
 }
 
-Outcome outcome_of(std::size_t entries, const Results<SeedRuns>& seeds) {
+Outcome outcome_of(std::size_t entries, const ResultStream<SeedRuns>& seeds) {
   Outcome outcome;
   outcome.runs.resize(entries);
   outcome.backends.resize(entries);

@@ -9,7 +9,7 @@
 #include <vector>
 
 #include "common/eval/metrics.h"
-#include "common/eval/results.h"
+#include "common/eval/result_stream.h"
 #include "common/eval/trial.h"
 #include "common/filter/pose_filter.h"
 #include "common/map/grid_map.h"
@@ -87,6 +87,6 @@ struct Outcome {
   std::size_t hits = 0, unmapped = 0;        ///< Summed over the seeds.
 };
 /// Of seeds in their order.
-Outcome outcome_of(std::size_t entries, const Results<SeedRuns>& seeds);
+Outcome outcome_of(std::size_t entries, const ResultStream<SeedRuns>& seeds);
 
 }  // namespace parloc::tools::compare

@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "common/config/config.h"
-#include "common/eval/results.h"
+#include "common/eval/result_stream.h"
 #include "common/eval/trial_summary.h"
 #include "common/localize/localizer.h"
 #include "common/map/grid_map.h"
@@ -30,7 +30,7 @@ struct Evaluation {
   Config config;
   bool interrupted = false;  ///< Fewer trials than wanted.
   double wall_s = 0.0;       ///< Of shards, all of theirs together.
-  Results<TrialResult> trials;
+  ResultStream<TrialResult> trials;
   TrialSummary summary;
 };
 

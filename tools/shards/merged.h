@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-#include "common/eval/results.h"
+#include "common/eval/result_stream.h"
 #include "common/file/bytes.h"
 #include "tools/shards/shard_file.h"
 
@@ -29,8 +29,8 @@ class Merged {
   /// The trials in their order: `get` takes one from its bytes. Holds one at a time in memory. The object
   /// must outlive what is returned.
   template <class Result>
-  Results<Result> results(const std::function<Result(ByteReader&)>& get) const {
-    return {head().items, [this, get](const typename Results<Result>::Visit& visit) {
+  ResultStream<Result> results(const std::function<Result(ByteReader&)>& get) const {
+    return {head().items, [this, get](const typename ResultStream<Result>::Visit& visit) {
               each([&](ByteReader& reader) { visit(get(reader)); });
             }};
   }

@@ -116,7 +116,7 @@ class FamilyTally {
 
 }  // namespace
 
-FamilySummaries summarise_families(const Results<DriveResult>& drives) {
+FamilySummaries summarise_families(const ResultStream<DriveResult>& drives) {
   FamilyTally all("all");
   std::vector<std::unique_ptr<FamilyTally>> families;
   drives.each([&](const DriveResult& d) {

@@ -9,7 +9,7 @@
 
 #include "common/eval/calibration.h"
 #include "common/eval/families/drive_score.h"
-#include "common/eval/results.h"
+#include "common/eval/result_stream.h"
 #include "common/eval/trial_summary.h"
 
 namespace parloc {
@@ -53,6 +53,6 @@ struct FamilySummaries {
 };
 /// Goes through the drives once, and keeps some 60 bytes of each. They are to be in the order of their
 /// numbers: sums depend on it in their last bits.
-FamilySummaries summarise_families(const Results<DriveResult>& drives);
+FamilySummaries summarise_families(const ResultStream<DriveResult>& drives);
 
 }  // namespace parloc

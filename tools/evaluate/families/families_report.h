@@ -8,7 +8,7 @@
 #include "common/config/config.h"
 #include "common/eval/families/drive_score.h"
 #include "common/eval/families/family_summary.h"
-#include "common/eval/results.h"
+#include "common/eval/result_stream.h"
 #include "tools/report/machine/machine.h"
 #include "tools/report/result_parts.h"
 #include "tools/report/text/table.h"
@@ -26,7 +26,7 @@ struct FamiliesReport {
   Config config;             ///< Of the closed loop; the bare filter has the same, but does not recover.
   bool interrupted = false;  ///< Fewer drives than wanted.
   double wall_s = 0.0;       ///< Of shards, all of theirs together.
-  Results<DriveResult> drives;
+  ResultStream<DriveResult> drives;
   std::vector<FamilySummary> families;
   FamilySummary all;
 };

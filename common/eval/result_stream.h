@@ -11,19 +11,20 @@ namespace parloc {
 
 /// Results in the order of their trials, to be gone through as often as one likes.
 template <class Result>
-class Results {
+class ResultStream {
  public:
   using Visit = std::function<void(const Result&)>;
 
-  Results() : Results(std::vector<Result>{}) {}
+  ResultStream() : ResultStream(std::vector<Result>{}) {}
   /// Those of a vector.
-  Results(std::vector<Result> all)  // NOLINT(google-explicit-constructor): it is the same thing
+  ResultStream(std::vector<Result> all)  // NOLINT(google-explicit-constructor): it is the same thing
       : size_(all.size()),
         each_([kept = std::make_shared<std::vector<Result>>(std::move(all))](const Visit& visit) {
           for (const Result& result : *kept) visit(result);
         }) {}
   /// `each` calls with `size` results, the same ones in the same order every time. May throw Error.
-  Results(std::size_t size, std::function<void(const Visit&)> each) : size_(size), each_(std::move(each)) {}
+  ResultStream(std::size_t size, std::function<void(const Visit&)> each)
+      : size_(size), each_(std::move(each)) {}
 
   std::size_t size() const { return size_; }
   bool empty() const { return size_ == 0; }
