@@ -21,6 +21,20 @@ const Args kHall{"evaluate",    "--scenario", "configs/paz2012_scenario.yaml",
                  "--task",      "track",      "--trials",
                  "5",           "--duration", "2",
                  "--particles", "100",        "--quiet"};
+// Said as they go on, one at a time.
+const Args kNineSlowTrials{"evaluate",
+                           "--scenario",
+                           "configs/paz2012_scenario.yaml",
+                           "--task",
+                           "track",
+                           "--trials",
+                           "9",
+                           "--duration",
+                           "20",
+                           "--particles",
+                           "2000",
+                           "--jobs",
+                           "1"};
 
 class ShardsProgram : public ProgramSuite {
  protected:
@@ -110,20 +124,7 @@ TEST_F(ShardsProgram, SamplesAreKeptForWhoeverAskedForThem) {
 }
 
 TEST_F(ShardsProgram, WhatWasKilledGoesOn) {
-  const Args loud{"evaluate",
-                  "--scenario",
-                  "configs/paz2012_scenario.yaml",
-                  "--task",
-                  "track",
-                  "--trials",
-                  "9",
-                  "--duration",
-                  "20",
-                  "--particles",
-                  "2000",
-                  "--jobs",
-                  "1"};
-  const pid_t child = runner->start(shard_of(loud, 1, 1));
+  const pid_t child = runner->start(shard_of(kNineSlowTrials, 1, 1));
   runner->wait_for(" 2 of 9 trials");
   kill(child, SIGKILL);
   EXPECT_EQ(runner->finish(child).code, -1);
@@ -131,31 +132,18 @@ TEST_F(ShardsProgram, WhatWasKilledGoesOn) {
   const std::string file = part(1) + "/shard.parloc";
   const std::string before = content_of(file);
   write_file(file, before + "TIAL and some");  // as if it had been killed while it wrote
-  const Outcome rest = done(shard_of(loud, 1, 1));
+  const Outcome rest = done(shard_of(kNineSlowTrials, 1, 1));
   expect_parts(rest.out, {"9 of its 9 trials", "of them from before"});
   EXPECT_EQ(content_of(file).rfind(before, 0), 0u);
-  expect_parts(done(shard_of(loud, 1, 1)).out, {"9 of them from before"});  // nothing left to do
+  expect_parts(done(shard_of(kNineSlowTrials, 1, 1)).out, {"9 of them from before"});  // nothing left to do
   const Json merged = told({"merge", part(1), "--json"});
-  const Json whole = told(with(loud, {"--quiet", "--json"}));
+  const Json whole = told(with(kNineSlowTrials, {"--quiet", "--json"}));
   EXPECT_EQ(merged["trials"], whole["trials"]);
   EXPECT_EQ(merged["summary"], whole["summary"]);
 }
 
 TEST_F(ShardsProgram, CtrlCKeepsWhatIsFinished) {
-  const Args loud{"evaluate",
-                  "--scenario",
-                  "configs/paz2012_scenario.yaml",
-                  "--task",
-                  "track",
-                  "--trials",
-                  "9",
-                  "--duration",
-                  "20",
-                  "--particles",
-                  "2000",
-                  "--jobs",
-                  "1"};
-  const Outcome o = broken_off(shard_of(loud, 1, 1), " 1 of 9 trials");
+  const Outcome o = broken_off(shard_of(kNineSlowTrials, 1, 1), " 1 of 9 trials");
   EXPECT_EQ(o.out.find("9 of its 9"), std::string::npos) << o.out;
   expect_parts(o.out, {"of its 9 trials are in"});
 }

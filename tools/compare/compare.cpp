@@ -177,16 +177,10 @@ const compare::PublishedSetting* published_for(const CompareOptions& o, const Co
 
 /// What decides the results besides the command and the settings.
 shards::Inputs inputs_of(const CompareOptions& o, const Comparison& c, const GridMap& map) {
-  shards::Inputs inputs{{"map", shards::map_digest(map)}};
-  for (const std::string& file : {o.scenario, o.log, o.truth})
-    if (!file.empty()) inputs.emplace_back(file, shards::file_digest(file));
+  shards::Inputs inputs = shards::inputs_of(map, {o.scenario, o.log, o.truth});
   for (const compare::Entry& entry : c.request.entries)
     inputs.emplace_back("settings of " + entry.label, config_to_yaml(entry.config));
-  if (o.scenario.empty()) return inputs;
-  const Scenario scenario = scenario_of(o);
-  inputs.emplace_back(scenario.map_path, shards::map_digest(read_map(scenario.map_path)));
-  if (!scenario.path_file.empty())
-    inputs.emplace_back(scenario.path_file, shards::file_digest(scenario.path_file));
+  if (!o.scenario.empty()) shards::add_scenario(inputs, scenario_of(o));
   return inputs;
 }
 

@@ -177,14 +177,8 @@ LogSource source_of(const EvaluateOptions& o, Evaluation& e) {
 
 /// What decides the results besides the command and the settings.
 shards::Inputs inputs_of(const EvaluateOptions& o, const GridMap& map) {
-  shards::Inputs inputs{{"map", shards::map_digest(map)}};
-  for (const std::string& file : {o.scenario, o.log, o.truth})
-    if (!file.empty()) inputs.emplace_back(file, shards::file_digest(file));
-  if (o.scenario.empty()) return inputs;
-  const Scenario scenario = scenario_of(o);
-  inputs.emplace_back(scenario.map_path, shards::map_digest(read_map(scenario.map_path)));
-  if (!scenario.path_file.empty())
-    inputs.emplace_back(scenario.path_file, shards::file_digest(scenario.path_file));
+  shards::Inputs inputs = shards::inputs_of(map, {o.scenario, o.log, o.truth});
+  if (!o.scenario.empty()) shards::add_scenario(inputs, scenario_of(o));
   return inputs;
 }
 

@@ -9,6 +9,7 @@
 #include <utility>
 
 #include "common/error.h"
+#include "common/map/map_reader.h"
 #include "common/math/sha256.h"
 #include "tools/program/typed_command.h"
 #include "tools/report/machine/machine.h"
@@ -56,6 +57,18 @@ std::string map_digest(const GridMap& map) {
   for (const GridWall& wall : map.walls)
     for (const float v : {wall.ax, wall.ay, wall.bx, wall.by}) sha.add(v);
   return sha.hex();
+}
+
+Inputs inputs_of(const GridMap& map, const std::vector<std::string>& files) {
+  Inputs inputs{{"map", map_digest(map)}};
+  for (const std::string& file : files)
+    if (!file.empty()) inputs.emplace_back(file, file_digest(file));
+  return inputs;
+}
+
+void add_scenario(Inputs& inputs, const Scenario& scenario) {
+  inputs.emplace_back(scenario.map_path, map_digest(read_map(scenario.map_path)));
+  if (!scenario.path_file.empty()) inputs.emplace_back(scenario.path_file, file_digest(scenario.path_file));
 }
 
 ShardHead shard_head(const std::string& typed, const Config& config, Inputs inputs, std::size_t items,

@@ -8,6 +8,7 @@
 
 #include "common/config/config.h"
 #include "common/map/grid_map.h"
+#include "common/simulator/scenario.h"
 #include "tools/shards/shard.h"
 
 namespace parloc::tools::shards {
@@ -18,6 +19,10 @@ using Inputs = std::vector<std::pair<std::string, std::string>>;
 /// Of a file, or of all files in a folder. Throws Error{input}.
 std::string file_digest(const std::string& path);
 std::string map_digest(const GridMap& map);
+/// The map that is localized on, and files; an empty name is none. Throws Error{input}.
+Inputs inputs_of(const GridMap& map, const std::vector<std::string>& files);
+/// What a scenario names besides. Throws Error{input}.
+void add_scenario(Inputs& inputs, const Scenario& scenario);
 
 /// Two shards belong to one run if all but `shard.number` is equal: then so is every result.
 struct ShardHead {

@@ -59,9 +59,7 @@ shards::Inputs inputs_of(const FamiliesOptions& o) {
     const std::string folder = o.maps.empty() ? "maps" : o.maps;
     return {{folder, shards::file_digest(folder)}};
   }
-  shards::Inputs inputs{{"map", shards::map_digest(open_map(o.map, log_choice(o.config)))}};
-  for (const std::string& file : {o.log, o.truth}) inputs.emplace_back(file, shards::file_digest(file));
-  return inputs;
+  return shards::inputs_of(open_map(o.map, log_choice(o.config)), {o.log, o.truth});
 }
 
 families::DrivesRequest request_of(const FamiliesOptions& o, const FamiliesReport& report,
