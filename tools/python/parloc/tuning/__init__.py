@@ -1,0 +1,23 @@
+"""Settings for a robot from its recorded drives, with a verdict on drives that nothing was fitted to (docs/tune.md).
+
+Needs Optuna, SciPy and matplotlib: pip install 'parloc[tune]'.
+"""
+
+from .drives import DriveFiles
+from .score import PieceScore
+from .space import DEFAULT_SPACE, Choice, Range
+from .tuner import Tuning, summary, tune
+from .verdict import Comparison, Interval
+
+__all__ = [
+    "DEFAULT_SPACE",
+    "Choice",
+    "Comparison",
+    "DriveFiles",
+    "Interval",
+    "PieceScore",
+    "Range",
+    "Tuning",
+    "summary",
+    "tune",
+]
