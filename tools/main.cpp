@@ -46,11 +46,13 @@ int run_program(const std::vector<std::string>& words) {
   program.get_formatter()->label("REQUIRED", "(needed)");
   program.footer("parloc COMMAND --help explains a command. Exit codes: docs/exit_codes.md");
   std::vector<Command> commands;
-  for (const auto add : {add_run_command, add_simulate_command, add_learn_command, add_locate_command,
-                         add_map_command, add_log_command, add_config_command, add_evaluate_command,
-                         add_compare_command, add_slam_command, add_bench_command, add_devices_command})
+  for (const auto add :
+       {add_run_command, add_simulate_command, add_learn_command, add_locate_command, add_map_command,
+        add_log_command, add_config_command, add_evaluate_command, add_compare_command, add_slam_command,
+        add_bench_command, add_devices_command, add_sweep_command})
     commands.push_back(add(program));
   commands.push_back(add_merge_command(program, run_program));
+  program.get_help_ptr()->group("");  // whoever reads the list knows it; commands inherit what is not hidden
   std::vector<const char*> argv;
   for (const std::string& word : words) argv.push_back(word.c_str());
   try {
