@@ -49,7 +49,7 @@ int run_program(const std::vector<std::string>& words) {
   for (const auto add :
        {add_run_command, add_simulate_command, add_learn_command, add_locate_command, add_map_command,
         add_log_command, add_config_command, add_evaluate_command, add_compare_command, add_slam_command,
-        add_bench_command, add_devices_command, add_sweep_command})
+        add_bench_command, add_devices_command, add_sweep_command, add_tune_command})
     commands.push_back(add(program));
   commands.push_back(add_merge_command(program, run_program));
   program.get_help_ptr()->group("");  // whoever reads the list knows it; commands inherit what is not hidden

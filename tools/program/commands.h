@@ -38,6 +38,7 @@ Command add_compare_command(CLI::App& program);
 Command add_slam_command(CLI::App& program);
 Command add_devices_command(CLI::App& program);
 Command add_sweep_command(CLI::App& program);
+Command add_tune_command(CLI::App& program);
 /// `run_words` runs another command line of the program.
 Command add_merge_command(CLI::App& program,
                           const std::function<int(const std::vector<std::string>& words)>& run_words);

@@ -81,4 +81,8 @@ Command add_sweep_command(CLI::App& program) {
   return add_python_command(program, "sweep", "Trials over ranges of settings, on many machines", "sweeps");
 }
 
+Command add_tune_command(CLI::App& program) {
+  return add_python_command(program, "tune", "Settings for a robot from its drives: are they better?", "tuning");
+}
+
 }  // namespace parloc::tools

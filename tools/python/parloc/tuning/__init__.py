@@ -5,6 +5,7 @@ Needs Optuna, SciPy and matplotlib: pip install 'parloc[tune]'.
 
 from .drives import DriveFiles
 from .score import PieceScore
+from .results import write_results
 from .space import DEFAULT_SPACE, Choice, Range
 from .tuner import Tuning, summary, tune
 from .verdict import Comparison, Interval
@@ -20,4 +21,5 @@ __all__ = [
     "Tuning",
     "summary",
     "tune",
+    "write_results",
 ]
