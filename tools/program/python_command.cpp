@@ -82,7 +82,8 @@ Command add_sweep_command(CLI::App& program) {
 }
 
 Command add_tune_command(CLI::App& program) {
-  return add_python_command(program, "tune", "Settings for a robot from its drives: are they better?", "tuning");
+  return add_python_command(program, "tune", "Settings for a robot from its drives: are they better?",
+                            "tuning");
 }
 
 }  // namespace parloc::tools

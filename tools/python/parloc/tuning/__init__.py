@@ -4,8 +4,8 @@ Needs Optuna, SciPy and matplotlib: pip install 'parloc[tune]'.
 """
 
 from .drives import DriveFiles
-from .score import PieceScore
 from .results import write_results
+from .score import PieceScore
 from .space import DEFAULT_SPACE, Choice, Range
 from .tuner import Tuning, summary, tune
 from .verdict import Comparison, Interval
