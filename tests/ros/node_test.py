@@ -34,8 +34,14 @@ def damaged(data):
 class PlaysABag(node_case.NodeCase):
     def played(self, speed):
         params = self.params(find_initial_pose=False)
-        node = self.run_node(params)
-        self.play_all(speed)
+        for _ in range(3):  # scans are sent with best effort: a busy machine may lose one
+            node = self.run_node(params)
+            self.play_all(speed)
+            if len(self.world.poses) >= self.scans - 1:
+                break
+            node.end()
+            self.world.poses.clear()
+            self.world.transforms.clear()
         self.expect_as_run(params)
         self.assertGreaterEqual(len(self.world.poses), self.scans - 1, node.said())
         by_stamp = {stamp_s: pose for stamp_s, pose in self.world.poses}
@@ -79,18 +85,16 @@ class Goes(node_case.NodeCase):
 
     def test_a_bag_that_begins_anew(self):
         node = self.run_node(self.params())
-        self.play_all(20.0)
+        self.assertEqual(self.world.play_in_step(self.messages[:-3]), [], node.said())
         before = len(self.world.poses)
         stamp_s = self.world.poses[-2][0]
         place = self.world.place_at(stamp_s)
-        x, y, yaw = self.start
-        self.world.play(self.messages[:3], 20.0)
-        time.sleep(0.3)
-        self.world.send_pose(x, y, yaw)
-        time.sleep(0.3)
-        self.play_all(20.0)
-        self.assertTrue(self.answered(2 * before), node.said())
-        self.assertIn("set back", node.said())
+        self.world.play(self.messages[:4], 20.0)  # up to the first scan, which tells
+        self.assertTrue(self.world.wait_for(lambda: "set back" in node.said()), node.said())
+        self.world.send_pose(*self.start)
+        self.assertTrue(self.world.wait_for(lambda: "as was said" in node.said()), node.said())
+        self.assertEqual(self.world.play_in_step(self.messages[4:]), [], node.said())
+        self.assertTrue(self.answered(2 * before - 1), node.said())
         self.assert_near(self.world.place_at(stamp_s), place, 0.3)
 
     def assert_near(self, a, b, most_m):

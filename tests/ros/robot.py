@@ -80,6 +80,7 @@ class World(Node):
             self.create_subscription(TFMessage, "/tf", self._take_transform, RELIABLE)
         self.maps = []
         self._players = {}
+        self._in_step = []  # scans of play_in_step that wait for odometry after them: (stamp_s, player, bytes)
         self._map = self.create_publisher(OccupancyGrid, "map", LATCHED)
         self._initial = self.create_publisher(PoseWithCovarianceStamped, "initialpose", RELIABLE)
         self._executor = SingleThreadedExecutor()
@@ -178,21 +179,33 @@ class World(Node):
             sent_s[topic, round(stamp_s, 6)] = time.monotonic()
         return sent_s
 
-    def play_in_step(self, messages, unanswered=(), timeout_s=10.0):
+    def play_in_step(self, messages, unanswered=()):
         """Goes on when the scans of before the odometry are answered: whatever else the machine does, the node takes the
-        messages in this order. Returns the stamps of scans without an answer; the topics `unanswered` wait for none."""
-        waiting, missing = [], []
+        messages in this order. Returns the stamps of scans without an answer; the topics `unanswered` wait for none. Scans
+        that wait for odometry at the end are waited for by the next call."""
+        missing = []
         for stamp_s, topic, kind, data in messages:
             if kind not in KINDS:
                 continue
-            self.player(topic, kind).publish(data)
+            player = self.player(topic, kind)
+            player.publish(data)
             if kind == "sensor_msgs/msg/LaserScan" and topic not in unanswered:
-                waiting.append(round(stamp_s, 6))
-            while topic == "/tf" and waiting and waiting[0] <= stamp_s:
-                answered = waiting.pop(0)
-                if not self.wait_for(lambda answered=answered: answered in self.arrived_s, timeout_s):
-                    missing.append(answered)
+                self.arrived_s.pop(round(stamp_s, 6), None)
+                self._in_step.append((round(stamp_s, 6), player, data))
+            while topic == "/tf" and self._in_step and self._in_step[0][0] <= stamp_s:
+                waiting = self._in_step.pop(0)
+                if not self._is_answered(*waiting):
+                    missing.append(waiting[0])
         return missing
+
+    def _is_answered(self, stamp_s, player, data):
+        """Scans are sent with best effort: on a busy machine one may be lost on its way, and is sent again. One that comes
+        twice counts once."""
+        for _ in range(6):
+            if self.wait_for(lambda: stamp_s in self.arrived_s, 3.0):
+                return True
+            player.publish(data)
+        return False
 
     def wait_for(self, condition, timeout_s=20.0):
         end_s = time.monotonic() + timeout_s

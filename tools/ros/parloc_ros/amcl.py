@@ -171,6 +171,7 @@ class Amcl(RobotNode):
             log.error("initialpose: expected a quaternion of unit length")
             return
         yaw = math.atan2(2.0 * (turn.w * turn.z + turn.x * turn.y), 1.0 - 2.0 * (turn.y**2 + turn.z**2))
+        log.info(f"starting at ({place.x:.2f}, {place.y:.2f}, {yaw:.2f}), as was said")
         self._start((place.x, place.y, yaw), ros_covariance=message.pose.covariance.tolist())
 
     def _set_pose(self, request, response):
