@@ -267,6 +267,23 @@ def test_the_command_goes_on_after_a_break_and_a_killed_worker(office, tmp_path)
     assert page.count("<svg") == 2 and told["verdict"] in page
 
 
+def test_a_map_of_another_place_is_doubted(tmp_path):
+    true = parloc.read_map(FACULTY.map)
+    parloc.GridMap(true.cells[::-1, ::-1].copy(), true.resolution_m, true.origin).save(tmp_path / "turned.yaml")
+    elsewhere = tuning.DriveFiles(FACULTY.log, str(tmp_path / "turned.yaml"), FACULTY.truth)
+    found = tuning.tune([elsewhere], tmp_path, WIDE, POOR, trials=1, jobs=1)
+    assert "are map and truth those of these drives" in tuning.doubt(found)
+    tuning.write_results(found)
+    assert tuning.doubt(found) in (tmp_path / "report.html").read_text()
+
+
+def test_settings_that_never_go_together_are_refused(tmp_path):
+    shares = {"sensor.z_short": tuning.Range(0.5, 1.0), "sensor.z_rand": tuning.Range(0.6, 1.0)}
+    for jobs in (1, 2):
+        with pytest.raises(parloc.ConfigError, match="none of . settings tried can be"):
+            tuning.tune([FACULTY], tmp_path, shares, POOR, trials=2, jobs=jobs)
+
+
 @pytest.mark.parametrize(
     ("words", "code", "said"),
     [
@@ -278,6 +295,7 @@ def test_the_command_goes_on_after_a_break_and_a_killed_worker(office, tmp_path)
         (["--log", LOG, "--map", MAP, "--truth", TRUTH, "--out", "OUT"], 3, "expected 4 stretches"),
         (["--log", LOG, "--map", MAP, "--truth", TRUTH, "--out", "/proc/none"], 5, "/proc/none"),
         (["--log", LOG, "--trials", "0", "--out", "OUT"], 2, "expected at least 1"),
+        (["--log", LOG, "--jobs", "-1", "--out", "OUT"], 2, "expected at least 1, or 0"),
         (["--log", LOG, "--trials", "many", "--out", "OUT"], 2, "--trials"),
         (["--log", LOG, "--settings", "absent.yaml", "--out", "OUT"], 4, "absent.yaml: No such file"),
     ],

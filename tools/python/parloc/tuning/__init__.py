@@ -7,7 +7,7 @@ from .drives import DriveFiles
 from .results import write_results
 from .score import PieceScore
 from .space import DEFAULT_SPACE, Choice, Range
-from .tuner import Tuning, summary, tune
+from .tuner import Tuning, doubt, summary, tune
 from .verdict import Comparison, Interval
 
 __all__ = [
@@ -19,6 +19,7 @@ __all__ = [
     "PieceScore",
     "Range",
     "Tuning",
+    "doubt",
     "summary",
     "tune",
     "write_results",

@@ -12,7 +12,7 @@ from ..errors import Error, UsageError
 from .drives import DriveFiles
 from .results import write_results
 from .space_file import read_space
-from .tuner import summary, tune
+from .tuner import doubt, summary, tune
 
 _EPILOG = """A drive: --log, then its --map and --truth; several follow each other. Without a
 truth the log is mapped first. The first part of each log is fitted to, the rest
@@ -88,6 +88,8 @@ def _run(words: list[str]) -> None:
         if sys.stderr.isatty():
             print("\r\033[K", end="", file=sys.stderr)
         print(summary(tuning))
+        if doubt(tuning):
+            print(f"warning: {doubt(tuning)}", file=sys.stderr)
         print(*files, sep="\n", file=sys.stderr)
 
 

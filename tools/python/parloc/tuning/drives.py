@@ -66,8 +66,10 @@ def read_pieces(files: DriveFiles, config: _parloc.Config, kept: str) -> list[Pi
     map = _parloc.read_map(map_file)
     records = list(_parloc.open_log(files.log, config).scans(config))
     stamps_s = np.array([r.stamp_s for r in records])
-    truth = _parloc.poses_at(_parloc.read_trajectory(truth_file, config), stamps_s)
-    same_frame = files.truth is not None or files.map is None
+    mapped = files.truth is None
+    known = _parloc.read_trajectory(truth_file, config)
+    truth = _parloc.poses_at(known, np.round(stamps_s, 6), 0.0) if mapped else _parloc.poses_at(known, stamps_s)
+    same_frame = not mapped or files.map is None
     starts = truth if same_frame else _followed(map, records, config)
     pieces = []
     for first, last in _cuts(stamps_s):
@@ -117,6 +119,8 @@ def _own_map(log: str, config: _parloc.Config, kept: str) -> tuple[str, str]:
         os.makedirs(kept, exist_ok=True)
         slam = make_map(log, config)
         path = np.array(slam.trajectory())
+        # Between the scans that were taken in, the path is odometry alone.
+        path = path[np.isin(path[:, 0], [record.stamp_s for record in slam.records()])]
         slam.map().save(map_file)
         _parloc.write_trajectory(path_file, path)
     return map_file, path_file

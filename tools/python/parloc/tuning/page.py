@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from .score import CAP_M
-from .tuner import Tuning, now, summary
+from .tuner import Tuning, doubt, now, summary
 from .verdict import Comparison, Interval
 
 if TYPE_CHECKING:
@@ -25,6 +25,7 @@ h2{font-size:1.15rem;margin:2rem 0 .4rem}
 .note{color:#5b6570;font-size:.9rem}
 code{display:block;padding:.5rem .7rem;background:#f5f7f9;border-radius:.4rem;font-size:.85rem;overflow-wrap:anywhere}
 .verdict{font-size:1.1rem;font-weight:600;border-left:.3rem solid #0072b2;padding:.4rem .8rem;background:#f5f7f9}
+.doubt{border-color:#d55e00}
 table{border-collapse:collapse;margin:.6rem 0}
 th,td{text-align:right;padding:.25rem 0 .25rem 1.2rem;border-bottom:1px solid #d8dde3;font-weight:400}
 th{color:#5b6570}
@@ -52,6 +53,7 @@ def page(tuning: Tuning, command: str = "") -> str:
         f"<h1>Settings from drives</h1><p class='note'>{now()}</p>",
         f"<code>{html.escape(command)}</code>" if command else "",
         f"<p class='verdict'>{html.escape(summary(tuning))}</p>",
+        f"<p class='verdict doubt'>{html.escape(doubt(tuning))}</p>" if doubt(tuning) else "",
         "<p>Settings were fitted to the first part of each log and judged on the later part, which was not looked at "
         "before, with other seeds. A piece is a stretch of a log in which the localizer starts anew. The error is that of "
         f"the pose, heading included (1 rad counts as 1 m), at most {CAP_M:g} m, averaged over the scans of a piece. "

@@ -11,7 +11,7 @@ from typing import Any
 from .. import _parloc
 from ..errors import OutputError
 from .page import page
-from .tuner import Tuning, now, summary
+from .tuner import Tuning, doubt, now, summary
 from .verdict import Comparison, Interval
 
 
@@ -57,6 +57,7 @@ def record(tuning: Tuning, command: str) -> dict[str, Any]:
     old = tuning.base
     return {
         "verdict": summary(tuning),
+        "doubt": doubt(tuning),
         "better": tuning.better,
         "command": command,
         "date": now(),

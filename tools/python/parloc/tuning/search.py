@@ -13,7 +13,7 @@ from typing import Any
 import numpy as np
 
 from .. import _parloc
-from ..errors import Error
+from ..errors import ConfigError, Error, OutputError
 from .drives import Piece
 from .score import PieceScore, score_piece
 from .space import Space, base_values, configured, suggest
@@ -92,23 +92,27 @@ def try_one(study: Any, space: Space, base: _parloc.Config, pieces: list[Piece],
 
 
 def _work(
-    folder: str, seed: int, trials: int, space: Space, base_text: str, read: Callable[[], list[Piece]], stop: Any
+    folder: str, seed: int, trials: int, space: Space, base_text: str, read: Callable[[], list[Piece]], stop: Any, ended: Any
 ) -> None:
-    """A worker: until enough have been tried, by whomever."""
+    """A worker: until enough have been tried, by whomever. What it cannot go on from is told in `ended`, a queue."""
     signal.signal(signal.SIGINT, signal.SIG_IGN)  # the parent says when to stop
     parent = os.getppid()
-    base = _parloc.Config.from_yaml(base_text)
-    pieces = read()
-    study = open_study(folder, seed)
 
     def told_to_stop() -> bool:
         return stop.is_set() or os.getppid() != parent
 
     try:
+        base = _parloc.Config.from_yaml(base_text)
+        pieces = read()
+        study = open_study(folder, seed)
         while finished(study) < trials and not told_to_stop():
             try_one(study, space, base, pieces, told_to_stop)
     except KeyboardInterrupt:
         pass
+    except Error as error:
+        ended.put(error)
+    except OSError as error:
+        ended.put(OutputError(f"{folder}: {error.strerror}"))
 
 
 def search(
@@ -123,27 +127,44 @@ def search(
 ) -> Any:
     """Tries settings until `trials` have been tried in all, those of earlier runs and of other machines included.
 
-    Returns the study. `read` gives the pieces to fit to, and is pickled for other processes; one job is done in this one.
+    Returns the study. Raises OutputError if the journal cannot be written, ConfigError if no settings can be.
+    `read` gives the pieces to fit to, and is pickled for other processes; one job is done in this one.
     `tell` is called now and then with the number tried. A worker that dies costs the settings it was at.
     """
-    study = open_study(folder, seed)
-    if not study.get_trials(deepcopy=False):
-        study.enqueue_trial(base_values(space, base))  # what there is has its chance
-    if jobs == 1:
-        pieces = read()
-        while finished(study) < trials:
-            tell(finished(study))
-            try_one(study, space, base, pieces, lambda: False)
-    else:
-        _search_with_workers(study, (folder, seed, trials, space, str(base), read), jobs, tell)
+    try:
+        study = open_study(folder, seed)
+        if not study.get_trials(deepcopy=False):
+            study.enqueue_trial(base_values(space, base))  # what there is has its chance
+        if jobs == 1:
+            pieces = read()
+            while finished(study) < trials:
+                tell(finished(study))
+                try_one(study, space, base, pieces, lambda: False)
+        else:
+            _search_with_workers(study, (folder, seed, trials, space, str(base), read), jobs, tell)
+    except OSError as error:
+        if isinstance(error, Error):
+            raise
+        raise OutputError(f"{folder}: {error.strerror}") from None
+    _refuse_impossible(study)
     return study
+
+
+def _refuse_impossible(study: Any) -> None:
+    """Raises ConfigError if none of the settings go together."""
+    tried = study.get_trials(deepcopy=False)
+    reasons = [t.user_attrs["error"] for t in tried if "error" in t.user_attrs]
+    if reasons and not any(t.state.name == "COMPLETE" for t in tried):
+        raise ConfigError(f"none of {len(reasons)} settings tried can be: {reasons[0]}")
 
 
 def _search_with_workers(study: Any, work: tuple, jobs: int, tell: Callable[[int], object]) -> None:
     folder, seed, trials, *what = work
     spawn = multiprocessing.get_context("spawn")  # a forked filter would wait for threads that are not there
-    stop = spawn.Event()
-    workers = [spawn.Process(target=_work, args=(folder, seed + k, trials, *what, stop), daemon=True) for k in range(jobs)]
+    stop, ended = spawn.Event(), spawn.SimpleQueue()
+    workers = [
+        spawn.Process(target=_work, args=(folder, seed + k, trials, *what, stop, ended), daemon=True) for k in range(jobs)
+    ]
     try:
         for worker in workers:
             worker.start()
@@ -155,5 +176,7 @@ def _search_with_workers(study: Any, work: tuple, jobs: int, tell: Callable[[int
         for worker in workers:
             worker.join(timeout=30)
     if finished(study) < trials:
+        if not ended.empty():
+            raise ended.get()
         codes = sorted({w.exitcode for w in workers if w.exitcode})
         raise Error(f"{finished(study)} of {trials} settings were tried: all workers ended (exit codes {codes})")

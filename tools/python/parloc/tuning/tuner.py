@@ -22,6 +22,9 @@ from .search import finished, search
 from .space import DEFAULT_SPACE, Choice, Range, Space, check, configured
 from .verdict import Comparison, Scoring, choose, finalists, is_better, score_all
 
+DOUBTFUL_WRONG = 0.5
+"""Share of wrong scans from which on it is rather the map, or the truth, that is wrong."""
+
 Progress = Callable[[str, float], object]
 """Told what is at work and how much of it is done, 0 to 1."""
 
@@ -131,6 +134,8 @@ def tune(
         raise UsageError("drives: expected at least one")
     if trials < 1:
         raise UsageError(f"trials: expected at least 1, got {trials}")
+    if jobs < 0:
+        raise UsageError(f"jobs: expected at least 1, or 0 for all cores, got {jobs}")
     base = config.copy() if config is not None else _parloc.Config()
     base.threads = 1
     base.backend = "cpu"
@@ -248,6 +253,14 @@ def summary(tuning: Tuning) -> str:
     if gain.low > 0:
         return f"Not used, since it is more often sure and wrong: {told}."
     return f"Nothing to gain that could be shown: {told}."
+
+
+def doubt(tuning: Tuning) -> str:
+    """What makes the whole search doubtful, as one sentence; empty if nothing does."""
+    wrong = sum(s.wrong for s in tuning.fit.base) / len(tuning.fit.base)
+    if wrong < DOUBTFUL_WRONG:
+        return ""
+    return f"The old settings are wrong in {100 * wrong:.0f} % of the scans: are map and truth those of these drives?"
 
 
 def now() -> str:
