@@ -20,9 +20,9 @@
 #include "common/map/map_reader.h"
 #include "common/simulator/scenario.h"
 #include "tools/evaluate/decided_trials.h"
+#include "tools/evaluate/evaluate_relations.h"
 #include "tools/evaluate/evaluation.h"
 #include "tools/evaluate/families/evaluate_families.h"
-#include "tools/evaluate/relations.h"
 #include "tools/evaluate/trials.h"
 #include "tools/program/commands.h"
 #include "tools/program/output_folder.h"
@@ -268,8 +268,7 @@ void fill_in(const EvaluateOptions& o, Evaluation& e, const LogSource& source, c
   e.summary = summarise(e.plan, e.limit_s, e.trials);
 }
 
-constexpr const char *kJson = "evaluate.json", *kRelationsJson = "relations.json";
-constexpr const char* kPage = "report.html";
+constexpr const char *kJson = "evaluate.json", *kPage = "report.html";
 
 void write_results(const Evaluation& e, const GridMap& map, OutputFolder* out, const std::string& samples) {
   if (out != nullptr) {
@@ -290,25 +289,7 @@ void check_writable(const std::string& path) {
 
 int judge_by_relations(const EvaluateOptions& o, const std::string& typed) {
   check_relations_options(o);
-  const evaluate::PublishedLog* log = o.dataset.empty() ? nullptr : &evaluate::published_log(o.dataset);
-  evaluate::RelationsReport report = evaluate::judge_by_relations(o.trajectory, o.relations);
-  report.command = typed;
-  report.date = date_now();
-  report.log = log;
-  const std::string json = evaluate::json_text(report);
-  if (!o.out.empty()) {
-    OutputFolder out(o.out, {kRelationsJson, kPage});
-    replace_file(out.staged(kRelationsJson), json);
-    replace_file(out.staged(kPage), evaluate::html_page(report));
-    out.publish();
-  }
-  if (o.json) {
-    std::fputs(json.c_str(), stdout);
-  } else if (!o.quiet) {
-    fmt::print("{}", evaluate::terminal_text(report));
-    if (!o.out.empty()) fmt::print("\n{:<18}{}/{} (beside it: {})\n", "report", o.out, kPage, kRelationsJson);
-  }
-  return 0;
+  return evaluate_relations({o.trajectory, o.relations, o.dataset, o.out, o.json, o.quiet}, typed);
 }
 
 Config config_of(const EvaluateOptions& o) {
