@@ -173,7 +173,20 @@ TEST_F(ShardsProgram, WhatDoesNotBelongTogetherIsNamed) {
   refused(merge_of({1, 4, 3}), "damaged after 1 trials");
   write_file(part(4) + "/shard.parloc", "something else");
   refused(merge_of({1, 4, 3}), "expected the results of a shard");
+  std::string run = content_of(part(1) + "/shard.parloc");
+  run.replace(run.find("parloc evaluate"), 15,
+              "parloc simulate");  // nothing else than to merge is done for it
+  write_file(part(4) + "/shard.parloc", run);
+  refused(merge_of({4}), "expected a shard of evaluate or compare, found one of 'parloc simulate");
   EXPECT_EQ(call(merge_of({1, 2, 3})).code, 0);  // these are as they were
+}
+
+TEST_F(ShardsProgram, CompareHasNoJsonToPrint) {
+  done(shard_of({"compare", "--filters", "ekf", "--scenario", "configs/paz2012_scenario.yaml", "--seeds", "1",
+                 "--duration", "1", "--quiet"},
+                1, 1));
+  expect_error(call(merge_of({1}, {"--json"})),
+               {{}, 2, "--json: compare prints no JSON; expected --out DIR"});
 }
 
 TEST_F(ShardsProgram, AMapThatHasChangedIsToldAndNotMerged) {

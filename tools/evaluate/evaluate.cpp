@@ -19,9 +19,10 @@
 #include "common/inputs/open_map.h"
 #include "common/map/map_reader.h"
 #include "common/simulator/scenario.h"
+#include "tools/evaluate/decided_trials.h"
+#include "tools/evaluate/evaluate_relations.h"
 #include "tools/evaluate/evaluation.h"
 #include "tools/evaluate/families/evaluate_families.h"
-#include "tools/evaluate/relations.h"
 #include "tools/evaluate/trials.h"
 #include "tools/program/commands.h"
 #include "tools/program/output_folder.h"
@@ -41,8 +42,8 @@ using evaluate::Evaluation;
 struct EvaluateOptions {
   ConfigOptions filter;
   shards::ShardOptions part;
-  std::string scenario, log, map, truth, task, trials, starts, seed, duration, limit, particles, range, fov,
-      jobs, samples, trajectory, relations, dataset, out, maps, corrupt;
+  std::string scenario, log, map, truth, task, trials, starts, seed, bar, against, error, duration, limit,
+      particles, range, fov, jobs, samples, trajectory, relations, dataset, out, maps, corrupt;
   std::vector<std::string> family;
   bool families = false, json = false, quiet = false;
 };
@@ -55,8 +56,11 @@ void declare(CLI::App& app, EvaluateOptions& o) {
   add_text_option(app, "--map", o.map, "M.yaml", "Map to localize on (the scenario's)");
   add_text_option(app, "--task", o.task, "WHAT", "global, kidnap or track (global)")
       ->check(one_of({"global", "kidnap", "track"}));
-  add_text_option(app, "--trials", o.trials, "N", "How many (100; of a log, all starts)");
-  add_text_option(app, "--seed", o.seed, "FIRST", "First seed; of a log, first start (1)");
+  add_text_option(app, "--trials", o.trials, "N", "How many, from --seed K on (100; of a log, all starts)");
+  add_text_option(app, "--seed", o.seed, "FIRST", "First seed; of a log, first start (1)")->group("");
+  add_text_option(app, "--bar", o.bar, "SHARE", "Only until known if success is so much (--error 0.05)");
+  add_text_option(app, "--against", o.against, "C.yaml", "Only until known which of both is better");
+  add_text_option(app, "--error", o.error, "P", "Of such an answer being wrong")->group("");
   add_text_option(app, "--duration", o.duration, "S", "Of a trial (limit + 10; of a log, to its end)");
   add_text_option(app, "--limit", o.limit, "S", "Success: localized by then (3; kidnap 5)");
   add_text_option(app, "--config", o.filter.config, "C.yaml",
@@ -66,8 +70,9 @@ void declare(CLI::App& app, EvaluateOptions& o) {
   add_text_option(app, "--fov", o.fov, "DEG", "Of the first LiDAR; its beams stay")->group("");
   add_text_option(app, "--jobs", o.jobs, "K", "Trials at once (all cores)");
   add_text_option(app, "--samples", o.samples, "F.csv", "Write every scan of every trial there");
-  add_text_option(app, "--trajectory", o.trajectory, "T.tum", "Or no trials: judge this trajectory ...");
-  add_text_option(app, "--relations", o.relations, "R.txt", "... by relations (--dataset NAME: of that log)");
+  add_text_option(app, "--relations", o.relations, "R.txt",
+                  "Or no trials: judge --trajectory T.tum by these");
+  add_text_option(app, "--trajectory", o.trajectory, "T.tum", "Of which relations are known")->group("");
   add_text_option(app, "--dataset", o.dataset, "NAME", "Published figures of that log beside")->group("");
   app.add_flag("--families", o.families, "Or kinds of drives (--family NAME; --corrupt)");
   add_text_option(app, "--family", o.family, "NAME", "Of this one only; may come again")->group("");
@@ -111,6 +116,9 @@ void check_relations_options(const EvaluateOptions& o) {
                                                                   {"--trials", o.trials},
                                                                   {"--starts", o.starts},
                                                                   {"--seed", o.seed},
+                                                                  {"--bar", o.bar},
+                                                                  {"--against", o.against},
+                                                                  {"--error", o.error},
                                                                   {"--duration", o.duration},
                                                                   {"--limit", o.limit},
                                                                   {"--config", o.filter.config},
@@ -175,6 +183,24 @@ LogSource source_of(const EvaluateOptions& o, Evaluation& e) {
   return evaluate::recorded_trials({o.log, o.truth, starts, e.plan.duration_s, log_choice(e.config)});
 }
 
+evaluate::Question question_of(const EvaluateOptions& o) {
+  const auto usage = [](const char* words) { return Error(ErrorKind::usage, words); };
+  evaluate::Question question;
+  if (!o.bar.empty()) question.bar = parse_number("--bar", o.bar, 1e-4, 1.0 - 1e-4);
+  if (!o.error.empty()) question.error = parse_number("--error", o.error, 1e-6, 0.5);
+  if (!o.against.empty()) {
+    ConfigOptions options = o.filter;
+    options.config = question.other_path = o.against;
+    question.other = effective_config(options);
+  }
+  if (question.bar && question.other)
+    throw usage("expected --bar or --against, and not both: one question at a time");
+  if (!question.asked() && !o.error.empty()) throw usage("--error: expected --bar or --against as well");
+  if (question.asked() && !o.part.shard.empty())
+    throw usage("--shard: a part does not see the trials that decide: expected no --bar and no --against");
+  return question;
+}
+
 /// What decides the results besides the command and the settings.
 shards::Inputs inputs_of(const EvaluateOptions& o, const GridMap& map) {
   shards::Inputs inputs = shards::inputs_of(map, {o.scenario, o.log, o.truth});
@@ -184,10 +210,12 @@ shards::Inputs inputs_of(const EvaluateOptions& o, const GridMap& map) {
 
 evaluate::TrialsRequest request_of(const EvaluateOptions& o, const Evaluation& e,
                                    std::vector<std::size_t> items, Progress& progress) {
-  evaluate::TrialsRequest request{e.plan, e.config,           e.first_seed, std::move(items),
-                                  e.jobs, !o.samples.empty(), interrupted,  {}};
-  request.progress = [&progress, all = request.items.size()](double fraction, std::size_t finished) {
-    progress.update(fraction, fmt::format("{} of {} trials", finished, all));
+  evaluate::TrialsRequest request{e.plan,           e.config, e.first_seed,
+                                  std::move(items), e.jobs,   !o.samples.empty(),
+                                  interrupted,      {},       e.question.other};
+  request.progress = [&progress, &e, all = request.items.size()](double fraction, std::size_t finished) {
+    progress.update(fraction,
+                    fmt::format("{} of {}{} trials", finished, e.question.asked() ? "at most " : "", all));
   };
   return request;
 }
@@ -204,6 +232,27 @@ int compute_shard(const EvaluateOptions& o, const Evaluation& e, const LogSource
       });
 }
 
+void compute(const EvaluateOptions& o, Evaluation& e, const LogSource& source, const GridMap& map) {
+  Progress progress(o.quiet);
+  const Clock::time_point begun = Clock::now();
+  if (e.question.asked()) {
+    std::vector<std::size_t> items =
+        e.recorded ? evaluate::shuffled(e.wanted) : shards::Shard{}.items(e.wanted);
+    e.answer.emplace(e.question, e.limit_s);
+    evaluate::DecidedTrials decided =
+        evaluate::trials_until_decided(request_of(o, e, std::move(items), progress), source, map, *e.answer);
+    e.trials = std::move(decided.trials);
+    e.dropped = decided.dropped;
+    e.trial_s = decided.trial_s;
+  } else {
+    e.trials = evaluate::run_trials(request_of(o, e, shards::Shard{}.items(e.wanted), progress), source, map,
+                                    &e.trial_s);
+  }
+  e.wall_s = seconds_since(begun);
+  if (e.jobs > e.machine.cores)
+    e.trial_s *= static_cast<double>(e.machine.cores) / e.jobs;  // they took turns
+}
+
 /// The trials, computed here or taken from shards, which must outlive `e`.
 void fill_in(const EvaluateOptions& o, Evaluation& e, const LogSource& source, const GridMap& map,
              const shards::Merged* merged) {
@@ -211,18 +260,15 @@ void fill_in(const EvaluateOptions& o, Evaluation& e, const LogSource& source, c
     e.trials = merged->results<TrialResult>(shards::get_trial);
     e.shards = merged->shards();
     e.wall_s = merged->took_s();
+    e.trial_s = e.wall_s / static_cast<double>(e.wanted);
   } else {
-    Progress progress(o.quiet);
-    const Clock::time_point begun = Clock::now();
-    e.trials = evaluate::run_trials(request_of(o, e, shards::Shard{}.items(e.wanted), progress), source, map);
-    e.wall_s = seconds_since(begun);
+    compute(o, e, source, map);
   }
-  e.interrupted = e.trials.size() < e.wanted;
+  e.interrupted = e.trials.size() < e.wanted && !(e.answer && e.answer->decided());
   e.summary = summarise(e.plan, e.limit_s, e.trials);
 }
 
-constexpr const char *kJson = "evaluate.json", *kRelationsJson = "relations.json";
-constexpr const char* kPage = "report.html";
+constexpr const char *kJson = "evaluate.json", *kPage = "report.html";
 
 void write_results(const Evaluation& e, const GridMap& map, OutputFolder* out, const std::string& samples) {
   if (out != nullptr) {
@@ -243,25 +289,7 @@ void check_writable(const std::string& path) {
 
 int judge_by_relations(const EvaluateOptions& o, const std::string& typed) {
   check_relations_options(o);
-  const evaluate::PublishedLog* log = o.dataset.empty() ? nullptr : &evaluate::published_log(o.dataset);
-  evaluate::RelationsReport report = evaluate::judge_by_relations(o.trajectory, o.relations);
-  report.command = typed;
-  report.date = date_now();
-  report.log = log;
-  const std::string json = evaluate::json_text(report);
-  if (!o.out.empty()) {
-    OutputFolder out(o.out, {kRelationsJson, kPage});
-    replace_file(out.staged(kRelationsJson), json);
-    replace_file(out.staged(kPage), evaluate::html_page(report));
-    out.publish();
-  }
-  if (o.json) {
-    std::fputs(json.c_str(), stdout);
-  } else if (!o.quiet) {
-    fmt::print("{}", evaluate::terminal_text(report));
-    if (!o.out.empty()) fmt::print("\n{:<18}{}/{} (beside it: {})\n", "report", o.out, kPage, kRelationsJson);
-  }
-  return 0;
+  return evaluate_relations({o.trajectory, o.relations, o.dataset, o.out, o.json, o.quiet}, typed);
 }
 
 Config config_of(const EvaluateOptions& o) {
@@ -280,12 +308,15 @@ bool asks_for_families(const EvaluateOptions& o) {
 
 /// Of a command line that asks for families.
 FamiliesOptions families_options(const EvaluateOptions& o) {
-  const std::pair<const char*, const std::string&> of_trials[] = {
+  const std::pair<const char*, const std::string&> drawn[] = {
       {"--scenario", o.scenario}, {"--task", o.task},   {"--starts", o.starts},
       {"--limit", o.limit},       {"--range", o.range}, {"--fov", o.fov}};
-  for (const auto& [name, value] : of_trials)
+  for (const auto& [name, value] : drawn)
     if (!value.empty())
       throw Error(ErrorKind::usage, fmt::format("{} has no meaning for --families, which draw it", name));
+  if (!o.bar.empty() || !o.against.empty() || !o.error.empty())
+    throw Error(ErrorKind::usage,
+                "--bar, --against and --error belong to trials of a scenario or a log, not to --families");
   FamiliesOptions f{o.family, o.maps, o.log, o.map, o.truth, o.corrupt, o.duration};
   f.first_seed = whole_within("--seed", o.seed, 0, kLastSeed, 1);
   f.trials = whole_within("--trials", o.trials, 1, kMostTrials, 20);
@@ -313,6 +344,7 @@ int run(const EvaluateOptions& o, const std::string& typed) {
   e.plan = plan_of(o, e.limit_s);
   e.first_seed = whole_within("--seed", o.seed, 0, kLastSeed, 1);
   e.config = config_of(o);
+  e.question = question_of(o);
   const LogSource source = source_of(o, e);
   e.source = source.what;
   e.jobs = static_cast<int>(std::min<std::size_t>(static_cast<std::size_t>(jobs_of(o)), e.wanted));

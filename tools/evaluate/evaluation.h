@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -10,6 +11,7 @@
 #include "common/eval/trial_summary.h"
 #include "common/localize/localizer.h"
 #include "common/map/grid_map.h"
+#include "tools/evaluate/question.h"
 #include "tools/report/machine/machine.h"
 #include "tools/report/result_parts.h"
 #include "tools/report/text/table.h"
@@ -30,9 +32,16 @@ struct Evaluation {
   Config config;
   bool interrupted = false;  ///< Fewer trials than wanted.
   double wall_s = 0.0;       ///< Of shards, all of theirs together.
+  double trial_s = 0.0;      ///< Mean time of one on a core; of a pair for both. NaN without one.
+  std::size_t dropped = 0;   ///< Trials that ran beyond the one at which the question was decided.
+  Question question;
   ResultStream<TrialResult> trials;
   TrialSummary summary;
+  std::optional<Answer> answer;  ///< If there is a question.
 };
+
+/// More trials: those that a question needs to be decided, else 1000.
+std::size_t next_trials(const Evaluation& e);
 
 const char* name_of(TrialTask task);
 

@@ -97,13 +97,16 @@ Json trial_json(const Evaluation& e, const TrialResult& t) {
 }
 
 Json times_json(const Evaluation& e) {
-  return {{"step_ms", spread_json(e.summary.step_ms)},
-          {"search_step_ms", spread_json(e.summary.search_ms)},
-          {"wall_s", e.wall_s},
-          {"jobs", json_if(e.shards == 0, e.jobs)},
-          {"shards", json_if(e.shards > 0, e.shards)},
-          {"date", e.date},
-          {"machine", machine_json(e.machine)}};
+  Json json{{"step_ms", spread_json(e.summary.step_ms)},
+            {"search_step_ms", spread_json(e.summary.search_ms)},
+            {"wall_s", e.wall_s},
+            {"trial_s", e.trial_s},
+            {"jobs", json_if(e.shards == 0, e.jobs)},
+            {"shards", json_if(e.shards > 0, e.shards)},
+            {"date", e.date},
+            {"machine", machine_json(e.machine)}};
+  if (e.answer) json["dropped"] = e.dropped;
+  return json;
 }
 
 }  // namespace
@@ -113,6 +116,7 @@ void write_json(const Evaluation& e, const TextSink& sink) {
   json["build"] = build_json();
   json["plan"] = plan_json(e);
   json["config"] = config_to_yaml(e.config);
+  if (e.answer) json["answer"] = e.answer->json();
   json["summary"] = summary_json(e);
   json["times"] = times_json(e);
   const auto rows = [&](const RowSink& row) {

@@ -4,6 +4,7 @@
 #include <iterator>
 
 #include "tools/evaluate/evaluation.h"
+#include "tools/evaluate/how_long.h"
 #include "tools/report/machine/machine.h"
 #include "tools/report/text/numbers.h"
 
@@ -56,8 +57,9 @@ const char* name_of(TrialTask task) {
 
 Facts result_facts(const Evaluation& e) {
   const TrialSummary& s = e.summary;
-  Facts lines{{"success", fmt::format("{}: right within {:g} s, and for {:g} s from there",
-                                      rate_text(s.success), e.limit_s, e.plan.hold_s)}};
+  Facts lines = e.answer ? e.answer->facts(e.wanted) : Facts{};
+  add_fact(lines, "success", "{}: right within {:g} s, and for {:g} s from there", rate_text(s.success),
+           e.limit_s, e.plan.hold_s);
   if (s.localized.hits == 0) {
     lines.push_back({"localized after", "never, in any trial"});
   } else {
@@ -88,12 +90,22 @@ Facts result_facts(const Evaluation& e) {
   return lines;
 }
 
+std::size_t next_trials(const Evaluation& e) {
+  constexpr std::size_t kMany = 1000;
+  return e.answer ? e.answer->more_trials().value_or(kMany) : kMany;
+}
+
 Facts time_facts(const Evaluation& e) {
-  return {{"step", spread_text(e.summary.step_ms, "ms", 2)},
-          {"with search", spread_text(e.summary.search_ms, "ms", 1)},
-          {"whole work", work_text(e.wall_s, e.jobs, e.shards)},
-          {"machine",
-           fmt::format("{}, {} core{}", e.machine.cpu, e.machine.cores, e.machine.cores == 1 ? "" : "s")}};
+  Facts lines{{"step", spread_text(e.summary.step_ms, "ms", 2)},
+              {"with search", spread_text(e.summary.search_ms, "ms", 1)},
+              {"whole work", work_text(e.wall_s, e.jobs, e.shards)}};
+  if (e.question.asked())
+    add_fact(lines, "dropped", "{} trials that were finished beyond the one that decides", e.dropped);
+  lines.push_back({fmt::format("{} more", next_trials(e)),
+                   how_long_text(next_trials(e), e.trial_s, static_cast<std::size_t>(e.machine.cores))});
+  add_fact(lines, "machine", "{}, {} core{}", e.machine.cpu, e.machine.cores,
+           e.machine.cores == 1 ? "" : "s");
+  return lines;
 }
 
 Facts origin_facts(const Evaluation& e) {
@@ -105,6 +117,7 @@ Facts origin_facts(const Evaluation& e) {
   std::string amount = fmt::format("{} from seed {}", e.trials.size(), e.first_seed);
   if (e.plan.duration_s > 0.0)
     amount += fmt::format(", {:g} s{}", e.plan.duration_s, e.plan.task == TrialTask::kidnap ? " twice" : "");
+  if (e.question.asked() && e.answer->decided()) amount += fmt::format(" of {}, which decide", e.wanted);
   if (e.interrupted) amount += fmt::format("; interrupted, {} were wanted", e.wanted);
   lines.push_back({"amount", amount});
   if (e.summary.unmapped > 0.0)

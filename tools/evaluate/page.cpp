@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "tools/evaluate/evaluation.h"
+#include "tools/evaluate/how_long.h"
 #include "tools/report/even_sample.h"
 #include "tools/report/map_view.h"
 #include "tools/report/plots/plot.h"
@@ -122,7 +123,7 @@ std::string html_page(const Evaluation& e, const GridMap& map) {
   html +=
       "<h2>Times on this machine</h2>\n<p class=\"note\">All else on this page is the same on every "
       "machine.</p>\n" +
-      facts_table(time_facts(e));
+      facts_table(time_facts(e)) + html_text(how_long_table(next_trials(e), e.trial_s));
   return html + "</body></html>\n";
 }
 

@@ -65,24 +65,31 @@ LogSource recorded_trials(const RecordedPlan& plan) {
   return {log_of, fmt::format("{}: {} starts spread over {:.0f} s", plan.log, plan.starts, span_s)};
 }
 
-void run_trials(const TrialsRequest& request, const LogSource& source, const GridMap& map,
-                const KeepTrial& keep) {
-  LocalizerConfig config = request.config;
-  config.threads = 1;
-  if (request.jobs > 1) config.group = make_filter_group(config);
+double run_trials(const TrialsRequest& request, const LogSource& source, const GridMap& map,
+                  const KeepTrial& keep) {
+  std::vector<LocalizerConfig> configs{request.config};
+  if (request.other) configs.emplace_back(*request.other);
+  for (LocalizerConfig& config : configs) {
+    config.threads = 1;
+    if (request.jobs > 1) config.group = make_filter_group(config);
+  }
+  const std::size_t runs = request.items.size() * configs.size();
   std::vector<std::atomic<double>> fractions(
       static_cast<std::size_t>(request.jobs));  // of each thread's trial
   std::atomic<std::size_t> finished = 0;
+  std::atomic<double> took_s = 0.0;  // all together
   const auto tell = [&] {
     if (!request.progress) return;
     double done = static_cast<double>(finished);
     for (const std::atomic<double>& fraction : fractions) done += fraction;
-    request.progress(done / static_cast<double>(request.items.size()), finished);
+    request.progress(done / static_cast<double>(runs), finished / configs.size());
   };
   const auto make_worker = [&](std::size_t thread, const KeepGoing& keep_going) -> Worker {
-    const auto localizer = std::make_shared<Localizer>(config, map);
-    return [&, thread, localizer](std::size_t k) {
-      const std::size_t item = request.items[k];
+    std::vector<std::shared_ptr<Localizer>> localizers;
+    for (const LocalizerConfig& config : configs)
+      localizers.push_back(std::make_shared<Localizer>(config, map));
+    return [&, thread, localizers](std::size_t k) {
+      const std::size_t item = request.items[k / configs.size()], which = k % configs.size();
       const std::uint64_t seed = request.first_seed + item;
       const auto told = [&](double fraction) {
         fractions[thread] = fraction;
@@ -90,25 +97,29 @@ void run_trials(const TrialsRequest& request, const LogSource& source, const Gri
       };
       const Clock::time_point begun = Clock::now();
       std::optional<TrialResult> result =
-          run_trial(*localizer, request.plan, source.log_of(seed), seed, told);
+          run_trial(*localizers[which], request.plan, source.log_of(seed), seed, told);
       fractions[thread] = 0.0;
       if (!result) return;
       if (!request.samples) result->samples = {};
-      keep(item, seconds_since(begun), std::move(*result));
+      const double run_s = seconds_since(begun);
+      keep(item * configs.size() + which, run_s, std::move(*result));
+      took_s += run_s;
       ++finished;
     };
   };
-  run_items({request.items.size(), request.jobs, request.stop, tell}, make_worker);
+  run_items({runs, request.jobs, request.stop, tell}, make_worker);
+  return took_s * static_cast<double>(configs.size()) / static_cast<double>(finished);
 }
 
-std::vector<TrialResult> run_trials(const TrialsRequest& request, const LogSource& source,
-                                    const GridMap& map) {
+std::vector<TrialResult> run_trials(const TrialsRequest& request, const LogSource& source, const GridMap& map,
+                                    double* trial_s) {
   std::map<std::size_t, TrialResult> results;
   std::mutex mutex;
-  run_trials(request, source, map, [&](std::size_t item, double, TrialResult result) {
+  const double mean_s = run_trials(request, source, map, [&](std::size_t item, double, TrialResult result) {
     const std::lock_guard lock(mutex);
     results.emplace(item, std::move(result));
   });
+  if (trial_s != nullptr) *trial_s = mean_s;
   std::vector<TrialResult> all;
   for (auto& [item, result] : results) all.push_back(std::move(result));
   return all;

@@ -4,6 +4,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <functional>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -44,16 +45,20 @@ struct TrialsRequest {
   std::function<bool()> stop;  ///< Asked often; may be empty.
   /// Told now and then, on the caller's thread; may be empty.
   std::function<void(double fraction, std::size_t finished)> progress;
+  /// With it each trial is done twice, as item 2 k with `config` and as 2 k + 1 with this.
+  std::optional<Config> other{};
 };
 
 /// Told of each finished trial, by any thread.
 using KeepTrial = std::function<void(std::size_t item, double took_s, TrialResult result)>;
 
-/// The first error of any trial, or of `keep`, ends the work and is thrown.
-void run_trials(const TrialsRequest& request, const LogSource& source, const GridMap& map,
-                const KeepTrial& keep);
+/// The first error of any trial, or of `keep`, ends the work and is thrown. Gives the mean time of a trial
+/// [s], by `other` too if there is one; NaN if none was finished.
+double run_trials(const TrialsRequest& request, const LogSource& source, const GridMap& map,
+                  const KeepTrial& keep);
 /// The finished trials in the order of the items, whatever the number of jobs; all, unless `stop` said so.
-std::vector<TrialResult> run_trials(const TrialsRequest& request, const LogSource& source,
-                                    const GridMap& map);
+/// `trial_s`, if given, becomes their mean time.
+std::vector<TrialResult> run_trials(const TrialsRequest& request, const LogSource& source, const GridMap& map,
+                                    double* trial_s = nullptr);
 
 }  // namespace parloc::tools::evaluate

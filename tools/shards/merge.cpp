@@ -4,6 +4,7 @@
 #include <string>
 #include <vector>
 
+#include "common/error.h"
 #include "tools/program/commands.h"
 #include "tools/program/typed_command.h"
 #include "tools/shards/shard_file.h"
@@ -33,6 +34,15 @@ Command add_merge_command(CLI::App& program,
   return {app, [o, run_words](const std::string&) {
             const shards::ShardHead head = shards::read_shard_head(shards::shard_path(o->folders.front()));
             std::vector<std::string> words = words_of(head.command);
+            const std::string command = words.size() > 1 ? words[1] : "";
+            // A file must not make this program do something else.
+            if (command != "evaluate" && command != "compare")
+              throw input_error(
+                  shards::shard_path(o->folders.front()), 0,
+                  "expected a shard of evaluate or compare, found one of '" + printable(head.command) + "'");
+            if (o->json && command == "compare")
+              throw Error(ErrorKind::usage,
+                          "--json: compare prints no JSON; expected --out DIR, where compare.json goes");
             for (const std::string& folder : o->folders) words.insert(words.end(), {"--merged", folder});
             if (!o->out.empty()) words.insert(words.end(), {"--out", o->out});
             if (o->json) words.push_back("--json");

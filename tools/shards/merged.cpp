@@ -15,7 +15,7 @@ namespace parloc::tools::shards {
 namespace {
 
 constexpr std::size_t kListed = 20;  // of a message
-constexpr std::size_t kMostOpen = 200;
+constexpr std::size_t kMostOpen = 200, kNone = static_cast<std::size_t>(-1);
 
 /// "3, 17, 20 and 5 more".
 std::string listed(const std::vector<std::size_t>& numbers) {
@@ -60,53 +60,55 @@ class OpenFiles {
 Merged::Merged(const std::vector<std::string>& folders) {
   for (const std::string& folder : folders) paths_.push_back(shard_path(folder));
   for (const std::string& path : paths_) {
-    contents_.push_back(read_shard(path));
-    if (contents_.size() == 1) places_.resize(head().items, {0, 0, 0});
-    const std::string why = difference(head(), paths_.front(), contents_.back().head, path);
+    ShardContents contents = read_shard(path);
+    if (places_.empty()) head_ = contents.head;
+    const std::string why = difference(head(), paths_.front(), contents.head, path);
     if (!why.empty()) throw Error(ErrorKind::input, "expected shards of one run: " + why);
-    find_trials();
+    find_trials(std::move(contents), path);
   }
   check_shards();
 }
 
-/// Of the shard that was read last.
-void Merged::find_trials() {
-  ShardContents& c = contents_.back();
-  const auto shard = static_cast<std::uint32_t>(contents_.size() - 1);
-  const std::string& path = paths_[shard];
-  for (std::size_t other = 0; other < shard; ++other)
-    if (contents_[other].head.shard.number == c.head.shard.number)
-      throw Error(ErrorKind::input, fmt::format("{} and {} are the same shard, {} of {}: expected each once",
-                                                paths_[other], path, c.head.shard.number, c.head.shard.of));
+/// Nothing here is larger than what the file has of trials, whatever its head says.
+void Merged::find_trials(ShardContents c, const std::string& path) {
+  const std::size_t file = places_.size();
+  const Shard& shard = c.head.shard;
+  file_of_.resize(shard.of, kNone);
+  std::size_t& place_of_shard = file_of_[shard.number - 1];
+  if (place_of_shard != kNone)
+    throw Error(ErrorKind::input, fmt::format("{} and {} are the same shard, {} of {}: expected each once",
+                                              paths_[place_of_shard], path, shard.number, shard.of));
+  place_of_shard = file;
   if (c.damaged)
     throw input_error(path, 0,
                       fmt::format("damaged after {} trials: run that shard again, which goes on from there",
                                   c.trials.size()));
-  const std::size_t of_shard = c.head.shard.items(c.head.items).size();
-  std::size_t found = 0;
-  for (const StoredTrial& trial : c.trials) {
-    Place& place = places_[trial.item];
-    found += place.offset == 0 ? 1 : 0;
-    place = {shard, trial.size, trial.offset};
-    took_s_ += trial.took_s;
-  }
-  if (found < of_shard)
+  const auto by_item = [](const StoredTrial& a, const StoredTrial& b) { return a.item < b.item; };
+  const auto same = [](const StoredTrial& a, const StoredTrial& b) { return a.item == b.item; };
+  std::stable_sort(c.trials.begin(), c.trials.end(), by_item);
+  c.trials.erase(std::unique(c.trials.begin(), c.trials.end(), same), c.trials.end());
+  const std::size_t count = shard.count(c.head.items);
+  if (c.trials.size() < count)
     throw input_error(
         path, 0,
         fmt::format("shard {} of {} has {} of its {} trials: run it again, which goes on from there",
-                    c.head.shard.number, c.head.shard.of, found, of_shard));
-  c.trials = {};
+                    shard.number, shard.of, c.trials.size(), count));
+  std::vector<Place>& places = places_.emplace_back();
+  places.reserve(count);
+  for (const StoredTrial& trial : c.trials) {
+    places.push_back({trial.offset, trial.size});
+    took_s_ += trial.took_s;
+  }
 }
 
 void Merged::check_shards() const {
-  std::vector<bool> there(head().shard.of, false);
-  for (const ShardContents& c : contents_) there[c.head.shard.number - 1] = true;
   std::vector<std::size_t> missing;
-  for (std::size_t k = 0; k < there.size(); ++k)
-    if (!there[k] && !Shard{k + 1, there.size()}.items(head().items).empty()) missing.push_back(k + 1);
+  for (std::size_t k = 0; k < file_of_.size(); ++k)
+    if (file_of_[k] == kNone && Shard{k + 1, file_of_.size()}.count(head().items) > 0)
+      missing.push_back(k + 1);
   if (!missing.empty())
-    throw Error(ErrorKind::input, fmt::format("expected all {} shards, found {}: missing {}", there.size(),
-                                              contents_.size(), listed(missing)));
+    throw Error(ErrorKind::input, fmt::format("expected all {} shards, found {}: missing {}", file_of_.size(),
+                                              shards(), listed(missing)));
 }
 
 void Merged::check(const ShardHead& here) const {
@@ -117,11 +119,14 @@ void Merged::check(const ShardHead& here) const {
 void Merged::each(const std::function<void(ByteReader&)>& take) const {
   OpenFiles files(paths_);
   std::string bytes;
-  for (const Place& place : places_) {
+  const std::size_t of = file_of_.size();
+  for (std::size_t item = 0; item < head().items; ++item) {
+    const std::size_t file = file_of_[item % of];
+    const Place& place = places_[file][item / of];
     bytes.resize(place.size);
-    files.read(place.shard, place.offset, bytes);
+    files.read(file, place.offset, bytes);
     std::istringstream in(bytes);
-    ByteReader reader(in, bytes.size(), paths_[place.shard]);
+    ByteReader reader(in, bytes.size(), paths_[file]);
     take(reader);
     reader.expect(reader.left() == 0, "a trial's end");
   }

@@ -19,8 +19,8 @@ class Merged {
   /// unfinished or damaged.
   explicit Merged(const std::vector<std::string>& folders);
 
-  const ShardHead& head() const { return contents_.front().head; }
-  std::size_t shards() const { return contents_.size(); }
+  const ShardHead& head() const { return head_; }
+  std::size_t shards() const { return places_.size(); }
   double took_s() const { return took_s_; }  ///< Of all trials, summed.
 
   /// Throws Error{input} unless this program, told to do the same here, would read the same and be the same.
@@ -37,16 +37,17 @@ class Merged {
 
  private:
   struct Place {
-    std::uint32_t shard, size;
     std::uint64_t offset;
+    std::uint32_t size;
   };
   void check_shards() const;
-  void find_trials();
+  void find_trials(ShardContents contents, const std::string& path);
   void each(const std::function<void(ByteReader&)>& take) const;
 
   std::vector<std::string> paths_;
-  std::vector<ShardContents> contents_;  ///< Their trials are in `places_`.
-  std::vector<Place> places_;            ///< By item.
+  ShardHead head_;                          ///< Of the first file.
+  std::vector<std::vector<Place>> places_;  ///< Of each file, in the order of its items.
+  std::vector<std::size_t> file_of_;        ///< By the shard's number, from 0 on; kNone without.
   double took_s_ = 0.0;
 };
 

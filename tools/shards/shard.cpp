@@ -8,14 +8,13 @@
 namespace parloc::tools::shards {
 
 Shard shard_from_text(const std::string& text) {
-  constexpr std::uint64_t kMost = 100000;
   const std::size_t slash = text.find('/');
   if (slash == std::string::npos)
     throw Error(ErrorKind::usage,
                 fmt::format("--shard: expected its number and how many there are, as 3/64, got '{}'",
                             printable(text)));
   Shard shard;
-  shard.of = whole_within("--shard", text.substr(slash + 1), 1, kMost, 1);
+  shard.of = whole_within("--shard", text.substr(slash + 1), 1, Shard::kMost, 1);
   shard.number = whole_within("--shard", text.substr(0, slash), 1, shard.of, 1);
   return shard;
 }

@@ -10,7 +10,10 @@ namespace parloc::tools::shards {
 /// The `number`th of `of` parts, from 1 on. Its trials are every `of`th, so that all parts have as many of
 /// every kind.
 struct Shard {
+  static constexpr std::size_t kMost = 100000;
   std::size_t number = 1, of = 1;
+
+  std::size_t count(std::size_t all) const { return all < number ? 0 : (all - number) / of + 1; }
 
   std::vector<std::size_t> items(std::size_t all) const {
     std::vector<std::size_t> mine;

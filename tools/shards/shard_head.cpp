@@ -28,6 +28,13 @@ void add_file(Sha256& sha, const std::string& path) {
   if (in.bad() || !in.eof()) throw input_error(path, 0, "cannot be read");
 }
 
+/// Throws Json::exception.
+std::size_t count_in(const Json& json, const char* name) {
+  const Json& value = json.at(name);
+  if (!value.is_number_unsigned()) throw Json::type_error::create(302, "expected a count", &value);
+  return value;
+}
+
 }  // namespace
 
 std::string file_digest(const std::string& path) {
@@ -97,13 +104,14 @@ ShardHead head_from_text(const std::string& text, const std::string& file) {
             json.at("commit"),
             json.at("settings"),
             {},
-            json.at("items"),
-            {json.at("shard").get<std::size_t>(), json.at("of").get<std::size_t>()}};
+            count_in(json, "items"),
+            {count_in(json, "shard"), count_in(json, "of")}};
     for (const auto& [path, digest] : json.at("inputs").items()) head.inputs.emplace_back(path, digest);
   } catch (const Json::exception&) {
     throw input_error(file, 0, "expected the results of a shard, found a damaged head");
   }
-  const bool possible = head.shard.number >= 1 && head.shard.number <= head.shard.of;
+  const bool possible =
+      head.shard.number >= 1 && head.shard.number <= head.shard.of && head.shard.of <= Shard::kMost;
   if (!possible) throw input_error(file, 0, "expected the results of a shard, found an impossible number");
   return head;
 }
@@ -111,7 +119,8 @@ ShardHead head_from_text(const std::string& text, const std::string& file) {
 std::string difference(const ShardHead& a, const std::string& name_a, const ShardHead& b,
                        const std::string& name_b) {
   const auto told = [&](const char* what, const std::string& of_a, const std::string& of_b) {
-    return fmt::format("{} is of {} '{}', {} of '{}'", name_b, what, of_b, name_a, of_a);
+    return fmt::format("{} is of {} '{}', {} of '{}'", name_b, what, printable(of_b), name_a,
+                       printable(of_a));
   };
   if (a.command != b.command) return told("the command", a.command, b.command);
   if (a.version != b.version || a.commit != b.commit)
@@ -119,7 +128,7 @@ std::string difference(const ShardHead& a, const std::string& name_a, const Shar
   if (a.settings != b.settings) return fmt::format("{} is of other settings than {}", name_b, name_a);
   for (const auto& [input, digest] : a.inputs)
     if (std::find(b.inputs.begin(), b.inputs.end(), std::pair(input, digest)) == b.inputs.end())
-      return fmt::format("{} has read another {} than {}", name_b, input, name_a);
+      return fmt::format("{} has read another {} than {}", name_b, printable(input), name_a);
   if (a.inputs.size() != b.inputs.size())
     return fmt::format("{} has read other files than {}", name_b, name_a);
   if (a.items != b.items) return told("trials", std::to_string(a.items), std::to_string(b.items));

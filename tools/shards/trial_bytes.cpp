@@ -1,6 +1,8 @@
 #include "tools/shards/trial_bytes.h"
 
+#include <cmath>
 #include <cstdint>
+#include <optional>
 #include <vector>
 
 #include "tools/shards/value_bytes.h"
@@ -52,6 +54,8 @@ TrialResult get_trial(ByteReader& r) {
   for (double* number : {&t.begun_s, &t.start.x_m, &t.start.y_m, &t.start.theta_rad}) get(*number);
   for (std::size_t* count : {&t.searches, &t.hits, &t.unmapped}) get(*count);
   visit_outcome(t.outcome, get);
+  for (const std::optional<double>& after_s : {t.outcome.localized_after_s, t.outcome.noticed_after_s})
+    r.expect(std::isfinite(after_s.value_or(0.0)), "a time");  // these are sorted
   for (const std::uint32_t bits : r.get_vector<std::uint32_t>()) t.marks.emplace_back(bits);
   t.samples = r.get_each(kSampleBytes, [](ByteReader& in) {
     TrialSample s;
