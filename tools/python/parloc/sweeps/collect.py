@@ -40,8 +40,9 @@ def merge_run(folder: SweepFolder, run: Run, parts: list[Part]) -> None:
         if all((part.folder / "shard.parloc").stat().st_mtime <= made_s for part in parts):
             return
     folders = [str(part.folder.relative_to(folder.path)) for part in parts]
-    done = subprocess.run([program_path(), "merge", *folders, "--out", str(folder.merged(run).relative_to(folder.path)), "--quiet"],
-                          cwd=folder.path, capture_output=True, text=True, check=False)
+    into = str(folder.merged(run).relative_to(folder.path))
+    done = subprocess.run([program_path(), "merge", *folders, "--out", into, "--quiet"], cwd=folder.path, capture_output=True,
+                          text=True, check=False)
     if done.returncode != 0:
         raise error_of(done.returncode, last_line(done.stderr))
 
@@ -62,7 +63,8 @@ def table_of(folder: SweepFolder, runs: list[Run]) -> Table:
             rows += [(run, f["filter"], compare_numbers(each)) for f in results["filters"] for each in f["each"]]
     settings = [r.name for r in folder.plan.ranges]
     numbers = [name for name in (rows[0][2] if rows else {}) if name not in ("seed", *COMMON)]
-    columns: dict[str, list[Any]] = {name: [] for name in ("point", "source", "filter", *settings, "seed", *COMMON, *numbers)}
+    names = ("point", "source", "filter", *settings, "seed", *COMMON, *numbers)
+    columns: dict[str, list[Any]] = {name: [] for name in names}
     for run, filter_name, trial in rows:
         row = {"point": run.point, "source": run.source.name, "filter": filter_name, **folder.plan.points[run.point - 1], **trial}
         for name, values in columns.items():

@@ -121,7 +121,8 @@ class SweepFolder:
 
     def _line(self, part: Part) -> str:
         shard = f"{part.shard}/{self._parts_of(part.run)}"
-        return shell_line((*part.run.words, "--quiet", "--shard", shard, "--out", self._part_name(part.run, part.shard)))
+        into = self._part_name(part.run, part.shard)
+        return shell_line((*part.run.words, "--quiet", "--shard", shard, "--out", into))
 
     def _write(self) -> None:
         texts = {"sweep.yaml": self.plan.text}
@@ -150,8 +151,8 @@ class SweepFolder:
         line = next((k for k, (a, b) in enumerate(zip(old, new)) if a != b), min(len(old), len(new)))  # noqa: B905
         was = old[line].strip() if line < len(old) else "nothing"
         now = new[line].strip() if line < len(new) else "nothing"
-        raise InputError(f"{self.path}: holds another sweep, expected another --out: {name}:{line + 1} is '{was}' there, '{now}' "
-                         "here")
+        raise InputError(f"{self.path}: holds another sweep, expected another --out: {name}:{line + 1} is '{was}' there, "
+                         f"'{now}' here")
 
 
 @contextmanager

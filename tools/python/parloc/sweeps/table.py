@@ -69,5 +69,5 @@ class Table(Sequence[dict[str, Any]]):
             import pyarrow
             import pyarrow.parquet
         except ImportError:
-            raise BackendError("a Parquet file needs pyarrow: expected pip install 'parloc[parquet]', or a name in .csv") from None
+            raise BackendError("a Parquet file needs pyarrow: pip install 'parloc[parquet]', or a name in .csv") from None
         pyarrow.parquet.write_table(pyarrow.table(self.columns), path)

@@ -143,7 +143,8 @@ class SlurmEngine:
         """(job, task) of what waits or runs; None if the controller does not answer, while all goes on without it."""
         queued = set()
         for job in jobs:
-            done = subprocess.run(["squeue", "-h", "-r", "-j", job, "-o", "%F %K"], capture_output=True, text=True, check=False)
+            words = ["squeue", "-h", "-r", "-j", job, "-o", "%F %K"]
+            done = subprocess.run(words, capture_output=True, text=True, check=False)
             if done.returncode != 0 and "Invalid job id" not in done.stderr:
                 return None
             for line in done.stdout.splitlines():
