@@ -66,7 +66,8 @@ def table_of(folder: SweepFolder, runs: list[Run]) -> Table:
     names = ("point", "source", "filter", *settings, "seed", *COMMON, *numbers)
     columns: dict[str, list[Any]] = {name: [] for name in names}
     for run, filter_name, trial in rows:
-        row = {"point": run.point, "source": run.source.name, "filter": filter_name, **folder.plan.points[run.point - 1], **trial}
+        point = folder.plan.points[run.point - 1]
+        row = {"point": run.point, "source": run.source.name, "filter": filter_name, **point, **trial}
         for name, values in columns.items():
             values.append(row.get(name))
     if folder.plan.command == "evaluate":

@@ -45,11 +45,12 @@ def page_of(folder: SweepFolder, table: Table, failed: Sequence[FailedPart], mis
         per_source(table) if len(plan.sources) > 1 else "",
         what_was_tried(plan),
         f"<h2>How it was made</h2><pre>{escaped(command)}</pre><p class='note'>{escaped(machine)}</p>"
-        "<p class='note'>All trials are in <b>table.csv</b> beside this page, a row each. The same seeds give the same numbers on "
-        "every machine.</p>",
+        "<p class='note'>All trials are in <b>table.csv</b> beside this page, a row each. The same seeds give the same numbers "
+        "on every machine.</p>",
     ]
     return ("<!doctype html><html lang='en'><head><meta charset='utf-8'>"
-            f"<meta name='viewport' content='width=device-width'><title>{escaped(name)}</title><style>{_STYLE}</style></head><body>{''.join(sections)}</body></html>\n")
+            f"<meta name='viewport' content='width=device-width'><title>{escaped(name)}</title>"
+            f"<style>{_STYLE}</style></head><body>{''.join(sections)}</body></html>\n")
 
 
 def escaped(text: Any) -> str:
@@ -98,8 +99,8 @@ def warning(failed: Sequence[FailedPart], missing: int, runs: int) -> str:
         return ""
     items = "".join(f"<li>{escaped(f)}</li>" for f in failed[:20])
     more = f"<li>and {len(failed) - 20} more</li>" if len(failed) > 20 else ""
-    return (f"<div class='warning'><p>{missing} of {counted(runs, 'run')} are not in these results. The same command again goes "
-            f"on with them.</p><ul>{items}{more}</ul></div>")
+    return (f"<div class='warning'><p>{missing} of {counted(runs, 'run')} are not in these results. The same command again "
+            f"goes on with them.</p><ul>{items}{more}</ul></div>")
 
 
 def answer(points: Sequence[PointScore], plan: Any) -> str:
@@ -111,8 +112,8 @@ def answer(points: Sequence[PointScore], plan: Any) -> str:
     rest = len(points) - 1 - alike
     return (f"<h2>In short</h2><p>Best: point {best.point}{of_filter(best.filter)}, {escaped(values_text(plan, best.point))}. "
             f"Success {percent(best.success)}, error {metres(best.error_m)}.</p><p>By their success on the same trials "
-            f"{counted(alike, 'other')} cannot be told from it, and {rest} {'is' if rest == 1 else 'are'} worse. The best of many "
-            "looks better than it is: before you believe it, try it with seeds that are not in here.</p>")
+            f"{counted(alike, 'other')} cannot be told from it, and {rest} {'is' if rest == 1 else 'are'} worse. The best of "
+            "many looks better than it is: before you believe it, try it with seeds that are not in here.</p>")
 
 
 def of_filter(name: str | None) -> str:
@@ -159,8 +160,8 @@ def best_points(points: Sequence[PointScore], plan: Any) -> str:
         rows.append(("good" if p.as_good else "", cells))
     shown = "" if len(points) <= MOST_POINTS_SHOWN else f" The first {MOST_POINTS_SHOWN} of {len(points)}."
     return (f"<h2>The best points</h2>{html_table(header, rows)}<p class='note'>By success, then by error.{shown} Green: its "
-            "success cannot be told from the first. Success has Wilson's 95 % interval, all else Student's; what stands last is a "
-            "difference on the same trials.</p>")
+            "success cannot be told from the first. Success has Wilson's 95 % interval, all else Student's; what stands last is "
+            "a difference on the same trials.</p>")
 
 
 def per_source(table: Table) -> str:

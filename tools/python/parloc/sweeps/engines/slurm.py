@@ -109,15 +109,15 @@ class SlurmEngine:
         told = []
         for array in self._arrays:
             names = [entry.name for entry in os.scandir(array.folder) if entry.name.endswith(".code")]
-            for task in (int(name.removesuffix(".code")) for name in names):
+            for task in {int(name.removesuffix(".code")) for name in names} & array.at_work.keys():
                 text = (array.folder / f"{task}.code").read_text().strip()
-                if task in array.at_work and text:
+                if text:
                     told.append(self._end(array, task, int(text)))
         return told
 
     def _told_by_queue(self) -> list[Ended]:
-        """Tasks that are neither in the queue nor have left an exit code: cancelled, or killed with their script. They are asked
-        for twice, as a file may come later than the news."""
+        """Tasks that are neither in the queue nor have left an exit code: cancelled, or killed with their script. They are
+        asked for twice, as a file may come later than the news."""
         if time.monotonic() < self._asked_s + _SQUEUE_EVERY_S or not self._arrays:
             return []
         self._asked_s = time.monotonic()
