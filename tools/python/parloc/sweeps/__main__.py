@@ -19,10 +19,10 @@ HELP = """Trials over ranges of settings, on many machines; a table and a page o
 Usage: parloc sweep S.yaml --out DIR [OPTIONS]
 
   S.yaml                  Scenarios or logs, filters, trials, ranges of settings
-  --out DIR               table.csv, report.html, all parts. The same command again
-                          goes on with what is missing
-  --engine E              Who computes: local, slurm, dask, or tcp://HOST:PORT of a
-                          Dask scheduler (local)
+  --out DIR               For table.csv, report.html and all parts. The same
+                          command again goes on with what is missing
+  --engine E              Who computes: local, slurm, dask, or tcp://HOST:PORT
+                          of a scheduler of Dask (local)
   --jobs K                Parts at once (all cores, or GPUs)
   --parts N               Into how many parts the trials of a point are divided
   --sbatch OPTION         For Slurm, as --sbatch=--partition=x; may come again

@@ -27,18 +27,22 @@ class Interval:
 
 @dataclass(frozen=True)
 class PointScore:
-    """A point with a filter. `behind` is its success minus that of the first, on the same trials; None for the first."""
+    """A point with a filter. `behind` is its success minus that of the first, on the same trials, and `behind_error_m` its
+    error minus that of the first, on trials in which both succeeded; None for the first."""
 
     point: int
     filter: str | None
     success: Interval
     error_m: Interval
     behind: Interval | None = None
+    behind_error_m: Interval | None = None
 
     @property
     def as_good(self) -> bool:
-        """Whether the trials cannot tell it from the first."""
-        return self.behind is None or self.behind.high >= 0.0
+        """Whether the trials cannot tell it from the first, neither by success nor by error."""
+        if self.behind is None or self.behind_error_m is None:
+            return True
+        return self.behind.high >= 0.0 and not self.behind_error_m.low > 0.0
 
 
 @dataclass(frozen=True)
@@ -112,11 +116,12 @@ class Scores:
             scores.append((PointScore(point, name, wilson(int(there.sum()), len(there)), mean_interval(errors)), k))
         scores.sort(key=lambda s: (-s[0].success.mean, s[0].error_m.mean if s[0].error_m.count else math.inf, s[0].point))
         first = scores[0][1] if scores else 0
-        return [score if k == first else replace(score, behind=self._behind(k, first)) for score, k in scores]
+        return [score if k == first else self._compared(score, k, first) for score, k in scores]
 
-    def _behind(self, row: int, first: int) -> Interval:
-        differences = self.success[row] - self.success[first]
-        return mean_interval(differences[~np.isnan(differences)])
+    def _compared(self, score: PointScore, row: int, first: int) -> PointScore:
+        success, error = (of[row] - of[first] for of in (self.success, self.error_m))
+        return replace(score, behind=mean_interval(success[~np.isnan(success)]),
+                       behind_error_m=mean_interval(error[~np.isnan(error)]))
 
     def effects(self, values_of_points: Sequence[Any], filter_name: Any) -> list[Effect]:
         """Of one setting, which has values_of_points[k - 1] at point k, with one filter."""
@@ -154,7 +159,7 @@ def grouped(values: Sequence[Any]) -> list[tuple[str, float, list[int]]]:
                  [i for i, key in enumerate(keys) if key == value]) for k, value in enumerate(distinct)]
     order = sorted(range(len(values)), key=lambda i: values[i])
     groups = []
-    for members in np.array_split(order, MOST_VALUES - 1):
+    for members in np.array_split(order, max(2, min(MOST_VALUES - 1, len(order) // 3))):
         inside = [values[i] for i in members]
         groups.append((f"{min(inside):.3g} to {max(inside):.3g}", float(np.median(inside)), list(members)))
     return groups

@@ -24,7 +24,8 @@ h1{font-size:1.5rem;margin:.2rem 0}h2{font-size:1.15rem;margin:2rem 0 .4rem}h3{f
 p{margin:.4rem 0}.note{color:var(--soft);font-size:.9rem}.warning{border-left:.3rem solid #d55e00;padding:.4rem .7rem;
 background:var(--panel)}table{border-collapse:collapse;margin:.4rem 0}th,td{text-align:left;vertical-align:top;
 padding:.2rem 1rem .2rem 0;border-bottom:1px solid var(--rule);font-weight:400;font-variant-numeric:tabular-nums}
-th{color:var(--soft)}.wide{overflow-x:auto}svg{width:100%;height:auto}pre{padding:.5rem .7rem;background:var(--panel);
+th{color:var(--soft)}td .note{white-space:nowrap}
+.wide{overflow-x:auto}svg{width:100%;height:auto}pre{padding:.5rem .7rem;background:var(--panel);
 font-size:.85rem;overflow-x:auto}tr.good td{background:color-mix(in srgb,#009e73 13%,transparent)}
 """
 
@@ -89,7 +90,8 @@ def summary(folder: SweepFolder, table: Table, scores: Scores) -> str:
              f"on {', '.join(escaped(s.name) for s in plan.sources)}"]
     if plan.filters:
         parts.append(f"with {', '.join(map(escaped, plan.filters))}")
-    return f"{' '.join(parts)}: {len(table):,} trials, {counted(len(scores.trials), 'seed')} for each point. " + (
+    each = "each point and filter" if plan.filters else "each point"
+    return f"{' '.join(parts)}: {len(table):,} trials, {len(scores.trials):,} for {each}. " + (
         "A trial succeeds if it is not lost at its end; its error is the RMSE of its position." if plan.filters else
         "A trial succeeds if it is right by the limit and stays it; its error is the RMSE of its position since then.")
 
@@ -111,9 +113,9 @@ def answer(points: Sequence[PointScore], plan: Any) -> str:
     alike = sum(p.as_good for p in points) - 1
     rest = len(points) - 1 - alike
     return (f"<h2>In short</h2><p>Best: point {best.point}{of_filter(best.filter)}, {escaped(values_text(plan, best.point))}. "
-            f"Success {percent(best.success)}, error {metres(best.error_m)}.</p><p>By their success on the same trials "
-            f"{counted(alike, 'other')} cannot be told from it, and {rest} {'is' if rest == 1 else 'are'} worse. The best of "
-            "many looks better than it is: before you believe it, try it with seeds that are not in here.</p>")
+            f"Success {percent(best.success)}, error {metres(best.error_m)}.</p><p>Of {counted(alike + rest, 'other')}, {alike} "
+            "cannot be told from it by success and error on the same trials. The best of many looks better than it is: before "
+            "you believe it, try it with seeds that are not in here.</p>")
 
 
 def of_filter(name: str | None) -> str:
@@ -135,7 +137,7 @@ def effect_sections(scores: Scores, plan: Any) -> str:
         effects = {name: scores.effects(values, name) for name in scores.filters}
         if max(map(len, effects.values())) < 2:
             continue
-        picture = effect_picture(r.name, r.is_log, effects)
+        picture = effect_picture(r.name, effects)
         text.append(f"<h3>{escaped(r.name)}</h3>{picture or effect_table(effects)}")
     return "".join(text)
 
@@ -151,17 +153,19 @@ def best_points(points: Sequence[PointScore], plan: Any) -> str:
     if not points:
         return ""
     names = [r.name for r in plan.ranges]
-    header = ["point", *(["filter"] if plan.filters else []), *map(escaped, names), "success", "error", "behind the first"]
+    header = ["point", *(["filter"] if plan.filters else []), *map(escaped, names), "success", "error", "success - first",
+              "error - first"]
     rows = []
     for p in points[:MOST_POINTS_SHOWN]:
         values = plan.points[p.point - 1]
         cells = [str(p.point), *([escaped(p.filter)] if plan.filters else []), *(escaped(values[n]) for n in names),
-                 percent(p.success), metres(p.error_m), percent(p.behind) if p.behind else ""]
+                 percent(p.success), metres(p.error_m),
+                 percent(p.behind) if p.behind else "", metres(p.behind_error_m) if p.behind_error_m else ""]
         rows.append(("good" if p.as_good else "", cells))
     shown = "" if len(points) <= MOST_POINTS_SHOWN else f" The first {MOST_POINTS_SHOWN} of {len(points)}."
-    return (f"<h2>The best points</h2>{html_table(header, rows)}<p class='note'>By success, then by error.{shown} Green: its "
-            "success cannot be told from the first. Success has Wilson's 95 % interval, all else Student's; what stands last is "
-            "a difference on the same trials.</p>")
+    return (f"<h2>The best points</h2>{html_table(header, rows)}<p class='note'>By success, then by error.{shown} Green: "
+            "cannot be told from the first. Success has Wilson's 95 % interval, all else Student's. Differences to the first are "
+            "on the same trials, and those of errors on trials in which both succeeded.</p>")
 
 
 def per_source(table: Table) -> str:
