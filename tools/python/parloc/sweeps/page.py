@@ -114,8 +114,8 @@ def answer(points: Sequence[PointScore], plan: Any) -> str:
     rest = len(points) - 1 - alike
     return (f"<h2>In short</h2><p>Best: point {best.point}{of_filter(best.filter)}, {escaped(values_text(plan, best.point))}. "
             f"Success {percent(best.success)}, error {metres(best.error_m)}.</p><p>Of {counted(alike + rest, 'other')}, {alike} "
-            "cannot be told from it by success and error on the same trials. The best of many looks better than it is: before "
-            "you believe it, try it with seeds that are not in here.</p>")
+            "cannot be told from it by success and error on the same trials. The best of many looks better than it is: "
+            "before you believe it, try it with seeds that are not in here.</p>")
 
 
 def of_filter(name: str | None) -> str:
@@ -164,8 +164,8 @@ def best_points(points: Sequence[PointScore], plan: Any) -> str:
         rows.append(("good" if p.as_good else "", cells))
     shown = "" if len(points) <= MOST_POINTS_SHOWN else f" The first {MOST_POINTS_SHOWN} of {len(points)}."
     return (f"<h2>The best points</h2>{html_table(header, rows)}<p class='note'>By success, then by error.{shown} Green: "
-            "cannot be told from the first. Success has Wilson's 95 % interval, all else Student's. Differences to the first are "
-            "on the same trials, and those of errors on trials in which both succeeded.</p>")
+            "cannot be told from the first. Success has Wilson's 95 % interval, all else Student's. Differences to the first "
+            "are on the same trials, and those of errors on trials in which both succeeded.</p>")
 
 
 def per_source(table: Table) -> str:

@@ -105,15 +105,16 @@ class ProgressLine:
         self._begun_s = time.monotonic()
         self._told_s = 0.0
         self._first: int | None = None
+        self._last = -1
         self._is_terminal = sys.stderr.isatty()
 
     def update(self, done: int, of: int) -> None:
         now = time.monotonic()
         if self._first is None:
             self._first = done
-        if not self._is_terminal and now < self._told_s + 30.0 and done < of:
+        if not self._is_terminal and (done == self._last or (now < self._told_s + 30.0 and done < of)):
             return
-        self._told_s = now
+        self._told_s, self._last = now, done
         text = f"{done} of {of} trials"
         new, took_s = done - self._first, now - self._begun_s
         if new and done < of:
