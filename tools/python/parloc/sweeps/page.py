@@ -113,9 +113,9 @@ def answer(points: Sequence[PointScore], plan: Any) -> str:
     alike = sum(p.as_good for p in points) - 1
     rest = len(points) - 1 - alike
     return (f"<h2>In short</h2><p>Best: point {best.point}{of_filter(best.filter)}, {escaped(values_text(plan, best.point))}. "
-            f"Success {percent(best.success)}, error {metres(best.error_m)}.</p><p>Of {counted(alike + rest, 'other')}, {alike} "
-            "cannot be told from it by success and error on the same trials. The best of many looks better than it is: "
-            "before you believe it, try it with seeds that are not in here.</p>")
+            f"Success {percent(best.success)}, error {metres(best.error_m)}.</p><p>Of {counted(alike + rest, 'other')}, "
+            f"{alike} cannot be told from it by success and error on the same trials. The best of many looks better than "
+            "it is: before you believe it, try it with seeds that are not in here.</p>")
 
 
 def of_filter(name: str | None) -> str:
