@@ -21,8 +21,8 @@ Usage: parloc sweep S.yaml --out DIR [OPTIONS]
   S.yaml                  Scenarios or logs, filters, trials, ranges of settings
   --out DIR               For table.csv, report.html and all parts. The same
                           command again goes on with what is missing
-  --engine E              Who computes: local, slurm, dask, or tcp://HOST:PORT
-                          of a scheduler of Dask (local)
+  --engine E              Who computes: local, slurm, dask, tcp://HOST:PORT of
+                          a Dask scheduler, or none: others, by DIR/part.sh
   --jobs K                Parts at once (all cores, or GPUs)
   --parts N               Into how many parts the trials of a point are divided
   --sbatch OPTION         For Slurm, as --sbatch=--partition=x; may come again
@@ -101,6 +101,9 @@ def main(words: Sequence[str]) -> int:
         return INTERRUPTED
     if not o.quiet and len(result.table):
         print(summary(result))
+    if not o.quiet and o.engine == "none" and result.missing:
+        print(f"{result.missing} runs are to be computed: sh {result.folder}/part.sh K for each line K of parts.txt there "
+              "(docs/sweeps.md). Then the same command again.")
     if not result.failed:
         return 0
     more = f", and {len(result.failed) - 1} more" if len(result.failed) > 1 else ""

@@ -50,13 +50,14 @@ class Computation:
         self._waiting = dict.fromkeys(number for number, part in self._parts.items() if not part.is_done)  # in order
         self._later: list[tuple[float, int]] = []
         self._told_s = 0.0
-        self.failed: list[FailedPart] = []
+        self._failed: list[FailedPart] = []
 
-    def run(self) -> None:
-        """Raises what ends all parts alike: an engine that is not there, a full disk, another version on a worker."""
+    def run(self) -> list[FailedPart]:
+        """Gives the parts that could not be computed. Raises what ends all parts alike: an engine that is not there, a full
+        disk, another version on a worker."""
         self._tell_now_and_then(at_once=True)
         if not self._waiting:
-            return
+            return []
         try:
             self._engine.start(self._folder.path, len(self._waiting))
             self._engine.submit(sorted(self._waiting))
@@ -68,6 +69,7 @@ class Computation:
         finally:
             self._engine.stop()
         self._tell_now_and_then(at_once=True)
+        return self._failed
 
     def _take(self, ended: Ended) -> None:
         number, part = ended.number, self._parts[ended.number]
@@ -82,7 +84,7 @@ class Computation:
             raise error_of(ended.code, ended.said)
         if ended.code in _FOR_GOOD or last:
             del self._waiting[number]
-            self.failed.append(FailedPart(part, ended.code, ended.said))
+            self._failed.append(FailedPart(part, ended.code, ended.said))
         else:
             self._later.append((time.monotonic() + 2.0 ** (self._tries[number] - 2), number))
 

@@ -53,21 +53,23 @@ def sweep(plan: str | Path, *, out: str | Path, engine: Any = "local", jobs: int
     """Trials over ranges of settings, on one or many machines (docs/sweeps.md).
 
     `plan` is the sweep's file, `out` its folder. `engine` is "local" (`jobs` processes), "slurm" (`options` are sbatch's),
-    "dask" (`jobs` workers on this machine), the address of a Dask scheduler, or a Dask client. `parts` is into how many parts
-    the trials of each point are divided. A part that is killed is tried again, `attempts` times in all, and goes on where it
-    was. The same sweep in the same folder goes on with what is missing. The results are the same for every engine, to the bit.
+    "dask" (`jobs` workers on this machine), the address of a Dask scheduler, a Dask client, or "none", which
+    prepares the folder for other schedulers and collects what these have computed. `parts` is into how many parts the trials
+    of each point are divided. A part that is killed is tried again, `attempts` times in all, and goes on where it was. The same
+    sweep in the same folder goes on with what is missing. The results are the same for every engine, to the bit.
 
     Raises ConfigError or InputError before anything is run if the plan makes no sense, or another sweep is in the folder;
     OutputError if that cannot be written, BackendError if the engine is not there or a worker has another version.
     KeyboardInterrupt leaves all trials that were finished in the folder."""
     read = read_plan(plan)
-    worker = engine_of(engine, jobs, options)
+    worker = None if engine == "none" else engine_of(engine, jobs, options)
     folder = SweepFolder(out, read, parts, 4 * (jobs or cores()))
     with folder.locked():
-        with told(progress) as tell:
-            computation = Computation(folder, worker, attempts, tell)
-            computation.run()
-        return collected(folder, computation.failed)
+        failed: list[FailedPart] = []
+        if worker:
+            with told(progress) as tell:
+                failed = Computation(folder, worker, attempts, tell).run()
+        return collected(folder, failed)
 
 
 def collected(folder: SweepFolder, failed: Sequence[FailedPart]) -> SweepResult:

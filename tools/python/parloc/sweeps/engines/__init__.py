@@ -41,4 +41,4 @@ def engine_of(engine: Any, jobs: int | None, options: Sequence[str] = ()) -> Eng
         return local.LocalEngine(jobs)
     if engine == "slurm":
         return slurm.SlurmEngine(jobs, options)
-    raise UsageError(f"engine: expected local, slurm, dask, the address of a Dask scheduler or a Dask client, got '{engine}'")
+    raise UsageError(f"engine: expected local, slurm, dask, none, or the address or client of a Dask scheduler, got '{engine}'")

@@ -44,7 +44,7 @@ class DaskEngine:
                     n_workers=self._jobs, threads_per_worker=1, processes=True, host="127.0.0.1", dashboard_address=None,
                     silence_logs=logging.CRITICAL,
                 )
-            self._client = distributed.Client(self._cluster or self._given, timeout=10)
+            self._client = distributed.Client(self._cluster or self._given, timeout=5)
         except (OSError, ValueError, RuntimeError) as error:
             raise BackendError(f"engine dask: expected a scheduler at {self._given or 'this machine'}: {error}") from None
 
