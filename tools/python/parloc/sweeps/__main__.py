@@ -26,7 +26,7 @@ Usage: parloc sweep S.yaml --out DIR [OPTIONS]
   --jobs K                Parts at once (all cores, or GPUs)
   --parts N               Into how many parts the trials of a point are divided
   --sbatch OPTION         For Slurm, as --sbatch=--partition=x; may come again
-  --attempts N            How often a part that is killed is tried in all (3)
+  --attempts N            Tries of a part that is killed before a new trial (3)
   --quiet                 No progress and no summary
 
 S.yaml, say:  scenarios: configs/office_scenario.yaml

@@ -48,6 +48,7 @@ class Computation:
         self._parts = {part.number: part for part in folder.parts}
         self._tries: Counter[int] = Counter()
         self._waiting = dict.fromkeys(number for number, part in self._parts.items() if not part.is_done)  # in order
+        self._had = {number: part.count.trials for number, part in self._parts.items()}
         self._later: list[tuple[float, int]] = []
         self._told_s = 0.0
         self._failed: list[FailedPart] = []
@@ -75,10 +76,12 @@ class Computation:
         number, part = ended.number, self._parts[ended.number]
         if number not in self._waiting:
             return
-        self._tries[number] += 1
         if part.is_done:
             del self._waiting[number]
             return
+        # What goes on is tried on: only ends without a new trial are counted.
+        since, self._had[number] = part.count.trials - self._had[number], part.count.trials
+        self._tries[number] = 1 if since > 0 else self._tries[number] + 1
         last = self._tries[number] >= self._attempts
         if ended.code == BackendError.exit_code or (ended.code == OutputError.exit_code and last):
             raise error_of(ended.code, ended.said)

@@ -55,8 +55,8 @@ def sweep(plan: str | Path, *, out: str | Path, engine: Any = "local", jobs: int
     `plan` is the sweep's file, `out` its folder. `engine` is "local" (`jobs` processes), "slurm" (`options` are sbatch's),
     "dask" (`jobs` workers on this machine), the address of a Dask scheduler, a Dask client, or "none", which
     prepares the folder for other schedulers and collects what these have computed. `parts` is into how many parts the trials
-    of each point are divided. A part that is killed is tried again, `attempts` times in all, and goes on where it was. The same
-    sweep in the same folder goes on with what is missing. The results are the same for every engine, to the bit.
+    of each point are divided. A part that is killed is tried again, `attempts` times without a new trial, and goes on where it
+    was. The same sweep in the same folder goes on with what is missing. The results are the same for every engine, to the bit.
 
     Raises ConfigError or InputError before anything is run if the plan makes no sense, or another sweep is in the folder;
     OutputError if that cannot be written, BackendError if the engine is not there or a worker has another version.
