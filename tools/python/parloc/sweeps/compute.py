@@ -11,7 +11,7 @@ from dataclasses import dataclass
 from ..errors import BackendError, ConfigError, Error, InputError, OutputError, UsageError
 from .engines import Engine
 from .engines.processes import Ended
-from .folder import Part, SweepFolder
+from .folder import SweepFolder
 
 ATTEMPTS = 3
 _OF_CODE = {c.exit_code: c for c in (UsageError, InputError, ConfigError, OutputError, BackendError)}
@@ -21,15 +21,17 @@ _LOOKED_AT_ONCE = 500  # files of parts, each time that progress is told
 
 @dataclass(frozen=True)
 class FailedPart:
-    """A part that could not be computed; `said` is the last line of its standard error."""
+    """A part that could not be computed: line `part` of parts.txt, of that run. `code` is its exit code (negative: by that
+    signal; None: nobody knows), and `said` the last line of its standard error."""
 
-    part: Part
+    part: int
+    run: int
     code: int | None
     said: str
 
     def __str__(self) -> str:
         code = "" if self.code is None else f"signal {-self.code}" if self.code < 0 else f"exit code {self.code}"
-        return f"part {self.part.number} (run {self.part.run.number}): {self.said.removeprefix('parloc: ') or code}"
+        return f"part {self.part} (run {self.run}): {self.said.removeprefix('parloc: ') or code}"
 
 
 def error_of(code: int | None, said: str) -> Error:
@@ -87,7 +89,7 @@ class Computation:
             raise error_of(ended.code, ended.said)
         if ended.code in _FOR_GOOD or last:
             del self._waiting[number]
-            self._failed.append(FailedPart(part, ended.code, ended.said))
+            self._failed.append(FailedPart(number, part.run.number, ended.code, ended.said))
         else:
             self._later.append((time.monotonic() + 2.0 ** (self._tries[number] - 2), number))
 
