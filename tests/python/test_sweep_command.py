@@ -10,6 +10,7 @@ import pytest
 from sweep_here import SLOW, processes, write_sweep
 
 import parloc
+from parloc.program import program_path
 from parloc.sweeps.shard_file import ShardCount
 
 pytest.importorskip("yaml")
@@ -70,6 +71,10 @@ def test_errors_of_the_command_are_one_line(tmp_path, words, code, error):
 def test_help_fits_a_screen():
     told, _ = command("--help").communicate(timeout=60)
     assert len(told.splitlines()) <= 24 and max(map(len, told.splitlines())) <= 80
+    # The same by the program, which looks for the Python on PATH.
+    environment = os.environ | {"PATH": f"{os.path.dirname(sys.executable)}:{os.environ['PATH']}"}
+    by_program = subprocess.run([program_path(), "sweep", "--help"], env=environment, capture_output=True, check=True)
+    assert by_program.stdout.decode() == told
 
 
 def test_another_version_is_refused(tmp_path, monkeypatch):

@@ -36,7 +36,7 @@ if [ "$found" != '@VERSION@' ]; then
   echo "parloc: expected @VERSION@ on $(uname -n), found: $found" >&2
   exit 6
 fi
-line=$(sed -n "${1:?expected the number of a part}p" parts.txt)
+line=$(sed -n "${1:?expected the number of a part}{p;q;}" parts.txt)
 if [ -z "$line" ]; then echo "parloc: expected a part from 1 to $(($(wc -l < parts.txt))), got '$1'" >&2; exit 2; fi
 eval "set -- $line"
 exec "$program" "$@" --jobs "${PARLOC_JOBS:-1}"

@@ -29,7 +29,7 @@ class ShardCount:
                     self._read_head(file)
                 while self._at and self._skip_trial(file):
                     self.trials += 1
-        except OSError:  # not there yet
+        except (OSError, ValueError, KeyError):  # not there yet, or none: then `parloc` says so itself
             pass
         return self.trials
 

@@ -79,8 +79,6 @@ class DaskEngine:
         return Ended(number, None, lines[0] if lines else f"its worker was lost ({future.status})")
 
     def stop(self) -> None:
-        if self._client is None:
-            return
         if self._at_work:
             self._stop_file.touch()  # parts at work look for it; those that wait end as soon as they begin
             until = time.monotonic() + _PATIENCE_S
