@@ -37,7 +37,7 @@ def main():
     assert said.split() == ["parloc", where[1]], (said, where)
     print(subprocess.run([sys.executable, "-c", first_example()], cwd=ROOT, env=environment, check=True,
                          capture_output=True, text=True).stdout)
-    for shipped in ("py.typed", "_parloc.pyi", "errors.py"):
+    for shipped in ("py.typed", "_parloc.pyi", "errors.py", "sweeps/engines/slurm.py"):
         assert (tree / "parloc" / shipped).exists(), shipped
 
 

@@ -141,12 +141,14 @@ def test_settings_are_read_from_a_file(tmp_path):
         ("- a\n", "1: expected settings"),
         ("a: [1, 2\n", ":2: "),
         ("particles: [1, 2]\nsensor.sigma_hot: [1, 2]\n", ":2: .*nearest is 'sensor.sigma_hit'"),
-        ("particles: [1, 2]\nparticles: [1, 3]\n", ":2: particles is there twice"),
-        ("particles: 5\n", ":1: particles: expected a list"),
-        ("particles: [5]\n", ":1: particles: expected a list"),
-        ("particles: {from: 1, to: b}\n", ":1: particles: expected a number as to"),
-        ("particles: {from: 1, to: 5, steps: 2}\n", "expected from, to, scale, got steps"),
-        ("particles: {from: 1, to: 5, scale: ln}\n", "expected log or linear"),
+        ("particles: [1, 2]\nparticles: [1, 3]\n", ":2: .*'particles' is there twice"),
+        ("particles: 5\n", ":1: particles: expected two values at least"),
+        ("particles: [5]\n", ":1: particles: expected two values at least"),
+        ("particles: {from: 1, to: b}\n", ":1: particles: expected a number, got b"),
+        ("particles: {from: 5, to: 1}\n", ":1: particles: expected more than from, 5, got 1"),
+        ("particles: {from: 1, to: 5, steps: 2}\n", ":1: particles: steps make a grid"),
+        ("particles: {from: 1, to: 5, scale: ln}\n", "expected linear or log"),
+        ("sensor.sigma_hit: {from: 0.1, to: 200}\n", "0.001 to 10"),
     ],
 )
 def test_a_file_that_is_wrong_is_told_with_its_line(tmp_path, text, said):
@@ -297,7 +299,7 @@ def test_settings_that_never_go_together_are_refused(tmp_path):
         (["--log", LOG, "--trials", "0", "--out", "OUT"], 2, "expected at least 1"),
         (["--log", LOG, "--jobs", "-1", "--out", "OUT"], 2, "expected at least 1, or 0"),
         (["--log", LOG, "--trials", "many", "--out", "OUT"], 2, "--trials"),
-        (["--log", LOG, "--settings", "absent.yaml", "--out", "OUT"], 4, "absent.yaml: No such file"),
+        (["--log", LOG, "--settings", "absent.yaml", "--out", "OUT"], 3, "absent.yaml: cannot be read"),
     ],
 )
 def test_wrong_words_are_one_line(tmp_path, words, code, said):

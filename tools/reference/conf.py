@@ -33,7 +33,7 @@ default_role = "code"
 nitpicky = True
 nitpick_ignore_regex = [
     ("cpp:.*", r"(parloc|SIZE_MAX|std|(std::)?[a-z0-9_]+_t|std::.*)"),
-    ("py:.*", r"(numpy|NDArray|ArrayLike|collections|os|matplotlib|pandas|evo|typing)(\..*)?"),
+    ("py:.*", r"(numpy|NDArray|ArrayLike|collections|os|pathlib|matplotlib|pandas|evo|typing)(\..*)?"),
 ]
 
 

@@ -64,6 +64,7 @@ from ._parloc import version as __version__  # noqa: E402
 from .errors import BackendError, ConfigError, Error, InputError, OutputError, UsageError  # noqa: E402
 from .export import to_evo, to_pandas  # noqa: E402
 from .plotting import plot_map, plot_trajectory  # noqa: E402
+from .sweeps import SweepResult, sweep  # noqa: E402
 from .tracks import Track, iter_scans, make_map, open_log  # noqa: E402
 
 __all__ = [
@@ -100,6 +101,7 @@ __all__ = [
     "SearchResult",
     "Simulation",
     "SlamRecord",
+    "SweepResult",
     "Track",
     "TrackErrors",
     "UsageError",
@@ -120,6 +122,7 @@ __all__ = [
     "read_trajectory",
     "simulate",
     "stamp_of_message",
+    "sweep",
     "to_evo",
     "to_pandas",
     "write_trajectory",

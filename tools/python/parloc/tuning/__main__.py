@@ -73,11 +73,12 @@ def _run(words: list[str]) -> None:
         raise UsageError("expected --log (see parloc tune --help)")
     if args.out is None:
         raise UsageError("expected --out (see parloc tune --help)")
+    config = _parloc.read_config(args.config) if args.config else None
     tuning = tune(
         [DriveFiles(**drive) for drive in args.drives],
         args.out,
-        settings=read_space(args.settings) if args.settings else None,
-        config=_parloc.read_config(args.config) if args.config else None,
+        settings=read_space(args.settings, config) if args.settings else None,
+        config=config,
         trials=args.trials,
         jobs=args.jobs,
         seed=args.seed,
