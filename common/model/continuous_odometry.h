@@ -24,12 +24,15 @@ struct OdometryMemory {
   Pose step;             ///< The last motion that was none of a jump, in the robot's frame, ...
   double step_s = 0.0;   ///< ... and how long it took; 0: there was none.
   double since_s = 0.0;  ///< Time since then.
+  double pace_s = 0.0;   ///< From reading to reading, in the mean of the last twenty or so, ...
+  int paced = 0;         ///< ... that is of so many, if they are fewer.
   int stood_still = 0;   ///< Readings in a row whose stamp was not later than the one before.
   bool rebased = false;  ///< There was a jump, so that `pose` is no longer `raw`.
 };
 
 /// Adds up the odometry's steps, and leaves out those that no robot makes: faster than the limits allow, or
-/// than the speed before and the acceleration since. There the motion of before goes on. So what follows need
+/// than the speed before and the acceleration since. There the motion of before goes on. Stamps of some logs
+/// come in bursts: no step is judged over less than the mean time between readings. So what follows need
 /// know nothing of jumps. Deterministic on every machine; readings of any size, finite or not, leave it
 /// sound.
 class ContinuousOdometry {

@@ -34,21 +34,26 @@ void put_odometry_memory(ByteWriter& w, const std::optional<OdometryMemory>& mem
   w.put_bool(memory.has_value());
   if (!memory) return;
   for (const Pose& pose : {memory->raw, memory->pose, memory->step}) put_pose(w, pose);
-  for (const double time_s : {memory->stamp_s, memory->step_s, memory->since_s}) w.put(time_s);
+  for (const double time_s : {memory->stamp_s, memory->step_s, memory->since_s, memory->pace_s})
+    w.put(time_s);
   w.put_count(static_cast<std::size_t>(memory->stood_still));
+  w.put_count(static_cast<std::size_t>(memory->paced));
   w.put_bool(memory->rebased);
 }
 std::optional<OdometryMemory> get_odometry_memory(ByteReader& r) {
   if (!r.get_bool()) return std::nullopt;
   OdometryMemory memory;
   for (Pose* pose : {&memory.raw, &memory.pose, &memory.step}) *pose = get_pose(r);
-  for (double* time_s : {&memory.stamp_s, &memory.step_s, &memory.since_s}) {
+  for (double* time_s : {&memory.stamp_s, &memory.step_s, &memory.since_s, &memory.pace_s}) {
     *time_s = r.get<double>();
     r.expect(std::isfinite(*time_s), "times of the odometry that are numbers");
   }
   const auto stood_still = r.get<std::uint64_t>();
   r.expect(stood_still <= kMostStoodStill, "a count of stamps that can be");
   memory.stood_still = static_cast<int>(stood_still);
+  const auto paced = r.get<std::uint64_t>();
+  r.expect(paced <= kMostStoodStill && memory.pace_s >= 0.0, "a pace of stamps that can be");
+  memory.paced = static_cast<int>(paced);
   memory.rebased = r.get_bool();
   return memory;
 }

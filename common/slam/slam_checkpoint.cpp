@@ -25,7 +25,7 @@ namespace {
 // Magic, version (32 bits), content, SHA-256 of all that in hexadecimal.
 constexpr std::string_view kMagic = "parloc slam checkpoint\n";
 /// To be raised with every change of what is written, here and in GridSlam.
-constexpr std::uint32_t kVersion = 5;
+constexpr std::uint32_t kVersion = 6;
 constexpr std::size_t kHeadBytes = kMagic.size() + sizeof kVersion;
 constexpr std::size_t kChecksumBytes = 64;
 

@@ -58,6 +58,32 @@ TEST(ContinuousOdometry, AResetOrAGlitchIsPassedOver) {
   }
 }
 
+/// Readings at a steady rate whose stamps are those of the moments when a logger came to write them: several
+/// hundredths apart or even stepping back, and then none for most of a second.
+double bursting_s(int k, double step_s) {
+  constexpr int kTogether = 4;
+  return (k / kTogether + 1) * kTogether * step_s + 0.01 * (k % kTogether) -
+         (k % 13 == 6 ? 0.3 * step_s : 0.0);
+}
+
+TEST(ContinuousOdometry, StampsThatComeInBurstsMakeNoRobotFaster) {
+  for (const Robot& robot : kRobots) {
+    SCOPED_TRACE(robot.name);
+    const double step_s = 1.0 / robot.rate_hz;
+    const double far_m = 12.0 * std::fmax(1.0, step_s) * 2.0;
+    for (const bool jumps : {false, true}) {
+      const MotionConfig limits;
+      ContinuousOdometry continuous(limits);
+      for (int k = 0; k < 400; ++k)
+        continuous.take(bursting_s(k, step_s),
+                        {robot.speed_mps * step_s * k + (jumps && k >= 302 ? far_m : 0.0), 0.0,
+                         0.3 * std::sin(0.2 * k * step_s)});
+      EXPECT_LE(continuous.jumps(), jumps ? 5u : 4u);  // in the first burst, before the pace is known
+      EXPECT_GE(continuous.jumps(), jumps ? 1u : 0u);
+    }
+  }
+}
+
 TEST(ContinuousOdometry, NoReadingOfAnySizeLeavesItUnsound) {
   const double nan = std::numeric_limits<double>::quiet_NaN(), inf = std::numeric_limits<double>::infinity();
   for (const double odd : {1e3, -1e6, 1e15, 1e150, 1e300, -1e308, nan, inf, -inf}) {

@@ -9,6 +9,7 @@
 
 #include "common/io/trajectory.h"
 #include "common/map/map_reader.h"
+#include "common/model/continuous_odometry.h"
 #include "tests/unit/expect.h"
 #include "tests/unit/real_data.h"
 #include "tests/unit/whole_log.h"
@@ -45,6 +46,22 @@ TEST(RealLog, Intel) {
       ASSERT_EQ(r.scan.ranges_m.size(), 180u);
     }
   }
+}
+
+/// Intel's logger wrote scans in bursts, with stamps hundredths of a second apart or stepping back.
+TEST(RealLog, NoMotionOfARobotIsCalledAJump) {
+  const MotionConfig limits;
+  std::size_t read = 0;
+  for (const char* name : {"intel", "aces", "tb3_house", "places/fhw"}) {
+    const std::string path = test::real_data(std::string(name) + "/scans.log");
+    if (!test::exists(path)) continue;
+    ContinuousOdometry continuous(limits);
+    for (const LogRecord& r : read_file(path).records)
+      if (r.kind == RecordKind::scan) continuous.take(r.stamp_s, r.odometry);
+    EXPECT_EQ(continuous.jumps(), 0u) << name;
+    ++read;
+  }
+  if (read == 0) PARLOC_NEEDS_FILE(test::real_data("intel/scans.log"));
 }
 
 TEST(RealLog, IntelIsReadInHalfASecond) {
