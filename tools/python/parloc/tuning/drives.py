@@ -67,14 +67,14 @@ def read_pieces(files: DriveFiles, config: _parloc.Config, kept: str) -> list[Pi
     records = list(_parloc.open_log(files.log, config).scans(config))
     stamps_s = np.array([r.stamp_s for r in records])
     mapped = files.truth is None
-    known = _parloc.read_trajectory(truth_file, config)
-    truth = _parloc.poses_at(known, np.round(stamps_s, 6), 0.0) if mapped else _parloc.poses_at(known, stamps_s)
+    path = _parloc.read_trajectory(truth_file, config)
+    truth = _parloc.poses_at(path, np.round(stamps_s, 6), 0.0) if mapped else _parloc.poses_at(path, stamps_s)
     same_frame = not mapped or files.map is None
     starts = truth if same_frame else _followed(map, records, config)
     pieces = []
     for first, last in _cuts(stamps_s):
         known = np.flatnonzero(np.isfinite(truth[first:last, 0]) & np.isfinite(starts[first:last, 0]))
-        if len(known) >= FEWEST_SCANS / 2:
+        if len(known) >= FEWEST_SCANS / 4:  # mapping takes in one of several
             first += known[0]
             pieces.append(
                 Piece(
