@@ -8,6 +8,7 @@ from conftest import LOG, MAP, ROOT, TRUTH
 from sweep_here import SCENARIO
 
 import parloc
+from parloc import intervals
 from parloc.sweeps import effects
 from parloc.sweeps.plan import read_plan
 from parloc.sweeps.table import Table
@@ -148,7 +149,7 @@ def test_effects_are_those_that_were_put_in():
 def test_statistics():
     stats = pytest.importorskip("scipy.stats")
     for degrees in (1, 2, 3, 4, 10, 100):
-        assert effects.t_95(degrees) == pytest.approx(stats.t.ppf(0.975, degrees), rel=0.01)
+        assert intervals.t_95(degrees) == pytest.approx(stats.t.ppf(0.975, degrees), rel=0.01)
     interval = effects.wilson(8, 10)
     expected = stats.binomtest(8, 10).proportion_ci(method="wilson")
     assert (interval.low, interval.high) == pytest.approx((expected.low, expected.high), rel=1e-6)

@@ -3,7 +3,7 @@
 without any, then holds old and found settings against the truth: on the pieces of that log that were kept back, and on all
 pieces of the other logs, with other seeds. Prints tables (Markdown).
 
-Needs the package, Optuna and SciPy on PYTHONPATH. Usage: tuning.py OUT [TRIALS]       100; goes on with what is in OUT"""
+Needs the package and Optuna on PYTHONPATH. Usage: tuning.py OUT [TRIALS]       100; goes on with what is in OUT"""
 
 import os
 import pathlib

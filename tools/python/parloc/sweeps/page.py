@@ -7,8 +7,9 @@ import math
 from collections.abc import Iterable, Sequence
 from typing import Any
 
+from ..intervals import Interval
 from .compute import FailedPart
-from .effects import Effect, Interval, PointScore, Scores
+from .effects import Effect, PointScore, Scores
 from .folder import SweepFolder
 from .plots import effect_picture
 from .table import Table

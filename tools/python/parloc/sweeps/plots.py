@@ -7,7 +7,8 @@ import math
 from collections.abc import Sequence
 from typing import Any
 
-from .effects import Effect, Interval
+from ..intervals import Interval
+from .effects import Effect
 
 # Okabe and Ito's, for colour-blind readers; markers differ too.
 COLOURS = ("#0072b2", "#d55e00", "#009e73", "#b5508c", "#e69f00", "#56b4e9", "#5b6570")

@@ -1,14 +1,15 @@
 """Settings for a robot from its recorded drives, with a verdict on drives that nothing was fitted to (docs/tune.md).
 
-Needs Optuna, SciPy and matplotlib: pip install 'parloc[tune]'.
+Needs Optuna and matplotlib: pip install 'parloc[tune]'.
 """
 
+from ..intervals import Interval
 from .drives import DriveFiles
 from .results import write_results
 from .score import PieceScore
 from .space import DEFAULT_SPACE, Choice, Range
 from .tuner import Tuning, doubt, summary, tune
-from .verdict import Comparison, Interval
+from .verdict import Comparison
 
 __all__ = [
     "DEFAULT_SPACE",

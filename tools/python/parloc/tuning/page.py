@@ -9,9 +9,10 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from ..intervals import Interval
 from .score import CAP_M
 from .tuner import Tuning, doubt, now, summary
-from .verdict import Comparison, Interval
+from .verdict import Comparison
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure

@@ -10,9 +10,10 @@ from typing import Any
 
 from .. import _parloc
 from ..errors import OutputError
+from ..intervals import Interval
 from .page import page
 from .tuner import Tuning, doubt, now, summary
-from .verdict import Comparison, Interval
+from .verdict import Comparison
 
 
 def write_results(tuning: Tuning, command: str = "") -> list[str]:

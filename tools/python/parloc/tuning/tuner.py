@@ -125,10 +125,9 @@ def tune(
     same call gives the same answer; with more, which settings are tried depends on who is done first.
 
     Raises UsageError, InputError, ConfigError, OutputError if `out` cannot be written or has another search in it, and
-    ImportError without Optuna and SciPy.
+    ImportError without Optuna.
     """
     import optuna  # noqa: F401  said before anything is done
-    import scipy  # noqa: F401
 
     if not drives:
         raise UsageError("drives: expected at least one")

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any
@@ -10,6 +9,7 @@ from typing import Any
 import numpy as np
 
 from .. import _parloc
+from ..intervals import Interval, mean_interval
 from .drives import Piece
 from .score import PieceScore
 from .search import mean_error_m, scores_of
@@ -20,20 +20,9 @@ FINAL_SEEDS = [101, 102]
 """For that, on the pieces that were fitted to."""
 TEST_SEEDS = [201, 202, 203]
 """On the pieces that were kept back."""
-CONFIDENCE = 0.95
 
 Scoring = Callable[[list[tuple[str, bool, list[int]]]], list[list[PieceScore]]]
 """Scores settings (YAML) on the pieces to fit to (False) or on those kept back (True), with these seeds."""
-
-
-@dataclass(frozen=True)
-class Interval:
-    """A mean over pieces and its 95 % interval by Student's t; one piece has none (NaN)."""
-
-    mean: float
-    low: float
-    high: float
-    count: int
 
 
 @dataclass(frozen=True)
@@ -54,22 +43,11 @@ class Comparison:
     @property
     def gain(self) -> Interval:
         """Over all pieces [m]."""
-        return interval(self.gains_m)
+        return mean_interval(self.gains_m)
 
     def gain_of(self, drive: str) -> Interval:
         """Over the pieces of one drive [m]."""
-        return interval(self.gains_m[[name == drive for name, _ in self.pieces]])
-
-
-def interval(values: np.ndarray) -> Interval:
-    """Mean and 95 % interval of independent values (Student 1908)."""
-    from scipy.stats import t
-
-    count, mean = len(values), float(np.mean(values))
-    if count < 2:
-        return Interval(mean, math.nan, math.nan, count)
-    half = float(t.ppf(0.5 + CONFIDENCE / 2, count - 1) * np.std(values, ddof=1) / math.sqrt(count))
-    return Interval(mean, mean - half, mean + half, count)
+        return mean_interval(self.gains_m[[name == drive for name, _ in self.pieces]])
 
 
 def is_better(comparison: Comparison) -> bool:
